@@ -33,7 +33,7 @@ PACKAGES = ("garmentq", "torch", "numpy", "scipy", "numba", "trimesh", "libigl")
 """The packages whose versions decide the digits of a result; the manifest names them."""
 
 MANIFEST_FINDING_KINDS = {
-    "candidates": FindingKind.CUT, "panel_changes": FindingKind.PANEL_CHANGE,
+    "candidates": FindingKind.CUT, "openings": FindingKind.OPENING, "panel_changes": FindingKind.PANEL_CHANGE,
     "proved_corners": FindingKind.CORNER, "choices": FindingKind.CHOICE,
 }  # fmt: skip
 """Names in the manifest under which findings stand."""

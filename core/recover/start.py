@@ -61,7 +61,8 @@ def choose_base(case: Case) -> RecoveryState:
     find_locked_coordinates(base, base, settings.locks)
     target = free_covered_neck(case.scan_target, case.body, turned_area(base))
     state = RecoveryState(choice.template, base, target, case.wearer, get_fabric(settings.fabric))
-    return state.with_findings(*(one.describe() for one in choice.candidates)).with_notes(*choice.notes)
+    found = (*(one.describe() for one in choice.candidates), *(one.describe() for one in choice.openings))
+    return state.with_findings(*found).with_notes(*choice.notes)
 
 
 def find_template(request: Request, target: Target, body: Body) -> Choice:

@@ -14,6 +14,8 @@ class FindingKind(StrEnum):
     """Information for the user."""
     CUT = "cut"
     """A cut of the library that was compared with the scan."""
+    OPENING = "opening"
+    """An opening of the garment beside its contours: a front, a placket, a vent."""
     PANEL_CHANGE = "panel_change"
     """A dart that was added or closed."""
     CORNER = "corner"

@@ -132,6 +132,7 @@ def _header(recovery: Recovery) -> str:
         ("Category", recovery.target.category),
         ("Template", recovery.template),
         *_describe_candidates(recovery.report.manifest.get("candidates", [])),
+        *_describe_openings(recovery.report.manifest.get("openings", [])),
         ("Fabric", recovery.fabric.title or recovery.fabric.name),
         ("Body", recovery.body.source),
         ("CPU time", f"{recovery.report.cpu_seconds:.0f} s"),
@@ -155,6 +156,17 @@ def _describe_candidates(candidates: list[dict[str, Any]]) -> Iterator[tuple[str
 
     if candidates:
         yield "Cuts by misfit", "; ".join(describe(one) for one in candidates)
+
+
+def _describe_openings(openings: list[dict[str, Any]]) -> Iterator[tuple[str, str]]:
+    """Yield the openings beside the contours, with their lengths and probabilities; nothing if there are none."""
+
+    def describe(one: dict[str, Any]) -> str:
+        extent = f" {one['extent_mm']:.0f} mm" if "extent_mm" in one else ""
+        return f"{one['name']}{extent}" + (f" ({one['probability']:.0%})" if "probability" in one else "")
+
+    if openings:
+        yield "Openings", "; ".join(describe(one) for one in openings)
 
 
 def _pictures(recovery: Recovery) -> str:

@@ -19,12 +19,14 @@ from ...garment.pattern import Pattern
 from ...garment.templates import list_templates, load_template, name_cut
 from ...run.errors import BadInput
 from ...run.finding import Finding, FindingKind
+from ...scan.contours.slits import find_slits
 from ...scan.contours.target import Target
 from ..drape.sizing import oversize_measures
 from .cut_search import GirthSettings, search_cuts
 from .hem_gores import HemGores, find_gores
 from .neck_finish import NeckFinish, ShownSides, rank_finishes
 from .neck_shape import NeckShape
+from .openings import Opening, find_openings, open_vents
 from .sleeve_length import fit_sleeve
 from .trunk_curvature import TrunkCurvature
 from .waist_seam import has_curved_waist, sew_waist
@@ -75,12 +77,14 @@ class Choice:
         pattern: Drafted with the parts and measures that the scan shows.
         candidates: The best cuts, the chosen one first; empty where the user named it.
         notes: Notes to the user, one sentence each.
+        openings: Of the garment, beside its contours.
     """
 
     template: str
     pattern: Pattern
     candidates: tuple[Candidate, ...] = ()
     notes: tuple[str, ...] = ()
+    openings: tuple[Opening, ...] = ()
 
 
 class TemplateMissing(BadInput):
@@ -113,12 +117,13 @@ def choose_cut(
     """
     choices, fits, gores = dict(parts or {}), fit_necklines(target, body), find_gores(target)
     templates, found = rank_templates(target, list(CUTS)), dict[str, tuple[int, Candidate, Cut]]()
-    shape = NeckShape.of(target, body)
+    shape, slits = NeckShape.of(target, body), find_slits(target, body)
     finishes = () if shape is None else rank_finishes(shape, CUTS[templates[0][0]], choices, sides)
     ranked = _rank_cuts(target, body, choices, templates, gores, finishes[:1])
     pairs = [*product(ranked, finishes[:1] or (None,)), *product(ranked[:1], finishes[1:MAX_NAMED_CUT_COUNT])]
     for one, finish in pairs:
-        for named, line in _with_necklines(_finish(one.cut, finish), fits, choices):
+        finished = open_vents(_finish(one.cut, finish), slits, "vent" in choices)
+        for named, line in _with_necklines(finished, fits, choices):
             name, unlike, likely = name_cut(one.template, named), None, None
             if finish is not None:
                 unlike, likely = finish.misfit * GirthSettings.misfit_floor, finish.probability
@@ -134,7 +139,7 @@ def choose_cut(
     measures = oversize_measures(body)
     usual = cut == CUTS.get(name) and measures is None
     pattern = load_template(name) if usual else draft_cut(cut, measures, name)
-    return Choice(name, pattern, candidates, tuple(notes))
+    return Choice(name, pattern, candidates, tuple(notes), find_openings(target, shape, finishes, slits))
 
 
 def describe_absent(cut: Cut, parts: Mapping[str, str]) -> tuple[str, ...]:

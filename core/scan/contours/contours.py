@@ -6,16 +6,15 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from ...body.body import Body
 from ...body.girths import MIN_LIMB_GIRTH
-from ...geometry.geometry import unit, vertex_normals
 from .encirclement import Crossing, find_crossings
 from .legs import split_legs
-from .loop import CONTOUR_SMOOTHING_LENGTH, find_loops, smoothed_length
+from .loop import find_loops, smoothed_length
 from .open_front import FrontBorder, divide_front
-from .rim_gaps import bridge_bays, bridge_bites
+from .rim_gaps import average_normals, bridge_bays, bridge_bites
+from .slits import name_slit
 from .target import Contour
 from .zigzag import find_cut_contours
 
@@ -31,15 +30,6 @@ shortest sleeves of T-shirts, 9 cm long, end at 0.35; this is the middle."""
 WAIST_END = 0.6
 """Share of the way from the pelvis to the neck joint below which a skirt's or trousers' waist is: a high waist reaches
 0.53, below the bust; the upper edge of a strapless top is at 0.65 to 0.75, at the armpits."""
-MAX_PLACKET_OFFSET = 0.03
-"""Largest distance of the edges of a placket, or of a centre back vent, from the middle plane [m]: a placket is 3 cm
-wide, and hangs open."""
-MAX_SIDE_VENT_OFFSET = 0.08
-"""Largest distance of a side vent's edges from the plane through the hips' joints and the spine [m]: side seams are up
-to 4 cm before or behind it, and the edges hang apart."""
-MIN_CUFF_SLIT_RATIO = 4.0
-"""Least ratio of the length along the arm of a slit in a cuff to its width: its edges lap, or hang 2 cm apart along 10
-cm; damage there is rounder."""
 MAX_BRIDGED_SHARE = 0.3
 """Largest share of a trusted contour that was bridged; above it the chords determine its shape more than the cloth."""
 
@@ -184,46 +174,13 @@ def _bridge_bites(candidate: _Candidate, vertices: np.ndarray, faces: np.ndarray
     if candidate.name is None or not candidate.is_closed:
         return [candidate]
     loop, is_neck = candidate.vertices, candidate.name == "neck"
-    find_normals = partial(_wide_normals, vertices, faces, loop)
+    find_normals = partial(average_normals, vertices, faces, loop)
     kept, gaps = bridge_bites(vertices[loop], find_normals, pointed=is_neck)
-    cut = [_is_cut(candidate.name, vertices[loop[gap]], body) for gap in gaps]
-    slits = [gap for gap, is_slit in zip(gaps, cut, strict=True) if is_slit]
-    holes = tuple(gap for gap, is_slit in zip(gaps, cut, strict=True) if not is_slit)
+    names = [name_slit(candidate.name, vertices[loop[gap]], body) for gap in gaps]
+    slits = [gap for gap, name in zip(gaps, names, strict=True) if name is not None]
+    holes = tuple(gap for gap, name in zip(gaps, names, strict=True) if name is None)
     kept = np.unique(np.concatenate([kept, *slits])) if slits else kept
     return _cut_off(candidate, vertices, kept, holes)
-
-
-def _is_cut(name: str, gap: np.ndarray, body: Body) -> bool:
-    """Check whether a bay in a contour [m] is a slit that is cut there: a placket, a vent, or the slit of a cuff."""
-    if name.startswith("cuff."):
-        side = name.partition(".")[2]
-        arm = body.joint(f"{side}_wrist") - body.joint(f"{side}_elbow")
-        off = gap - gap.mean(axis=0)
-        along = off @ (arm / np.linalg.norm(arm))
-        across = np.linalg.norm(off - along[:, None] * (arm / np.linalg.norm(arm)), axis=1)
-        return bool(np.ptp(along) > MIN_CUFF_SLIT_RATIO * 2.0 * across.max())
-    if name not in ("neck", "hem"):
-        return False
-    part, joint = ("shoulder", "neck") if name == "neck" else ("hip", "pelvis")
-    lateral = (body.joint(f"left_{part}") - body.joint(f"right_{part}")) * (1.0, 0.0, 1.0)
-    lateral = lateral / np.linalg.norm(lateral)
-    off, high = gap - body.joint(joint), np.ptp(gap[:, 1])
-    aside, ahead = np.abs(off @ lateral), off @ np.cross(lateral, (0.0, 1.0, 0.0))
-    if aside.max() < MAX_PLACKET_OFFSET and high > 2.0 * aside.max():
-        return bool(ahead.min() > 0.0 if name == "neck" else ahead.max() < 0.0)
-    return bool(name == "hem" and np.abs(ahead).max() < MAX_SIDE_VENT_OFFSET and high > 2.0 * np.ptp(ahead))
-
-
-def _wide_normals(vertices: np.ndarray, faces: np.ndarray, loop: np.ndarray) -> np.ndarray:
-    """Return unit normals along a contour, averaged within `CONTOUR_SMOOTHING_LENGTH`, shape [loop_count, 3].
-
-    Noise scatters the vertices' normals, which shortens their mean but keeps its direction.
-    """
-    normals, around = (
-        vertex_normals(vertices, faces),
-        cKDTree(vertices).query_ball_point(vertices[loop], CONTOUR_SMOOTHING_LENGTH),
-    )
-    return unit(np.array([normals[neighbours].mean(axis=0) for neighbours in around]))
 
 
 def _bridge_bays(
@@ -233,7 +190,7 @@ def _bridge_bays(
     if candidate.name is None or not candidate.is_closed:
         return [candidate]
     loop = candidate.vertices
-    bays = bridge_bays(vertices[loop], _wide_normals(vertices, faces, loop), unseen[loop])
+    bays = bridge_bays(vertices[loop], average_normals(vertices, faces, loop), unseen[loop])
     return _cut_off(candidate, vertices, *bays)
 
 

@@ -6,8 +6,11 @@ from collections.abc import Callable
 from functools import cache, partial
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from ...geometry.curves import Curve
+from ...geometry.geometry import unit, vertex_normals
+from .loop import CONTOUR_SMOOTHING_LENGTH
 
 MIN_BITE_RIM_RATIO = 2.5
 """Least ratio of a bite's rim to its mouth. Design has less: a half-round scallop 1.6, a pointed V-neck 2."""
@@ -186,3 +189,15 @@ def _missing_area(points: np.ndarray, normals: np.ndarray) -> tuple[float, float
     run, normal = points - points[0], normals.sum(axis=0)
     area = 0.5 * np.cross(run, np.roll(run, -1, axis=0)).sum(axis=0)
     return float(np.linalg.norm(area)), -float(area @ normal) / max(float(np.linalg.norm(normal)), 1e-12)
+
+
+def average_normals(vertices: np.ndarray, faces: np.ndarray, loop: np.ndarray) -> np.ndarray:
+    """Return unit normals along a contour, averaged within `CONTOUR_SMOOTHING_LENGTH`, shape [loop_count, 3].
+
+    Noise scatters the vertices' normals, which shortens their mean but keeps its direction.
+    """
+    normals, around = (
+        vertex_normals(vertices, faces),
+        cKDTree(vertices).query_ball_point(vertices[loop], CONTOUR_SMOOTHING_LENGTH),
+    )
+    return unit(np.array([normals[neighbours].mean(axis=0) for neighbours in around]))
