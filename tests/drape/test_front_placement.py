@@ -31,11 +31,17 @@ def test_edges_hang_where_the_scan_shows_them() -> None:
     again = drape_template(pattern, wearer, target, carry=True, settings=SETTINGS)
 
     def distance(garment: Garment) -> float:
-        pins = pin_front(garment, target)
+        pins = pin_front(garment, target, wearer.body)
         assert pins is not None
         off = (pins.points - garment.nodes[pins.nodes])[:, [0, 2]]
         return float(np.sqrt((off**2).sum(axis=1).mean()))
 
     assert distance(again) < 0.2 * distance(worn)
     torn = replace(target, contours=tuple(replace(one, trusted=one.name != "front.left") for one in worn.contours))
-    assert pin_front(worn, torn) is None
+    assert pin_front(worn, torn, wearer.body) is None
+    lapped = target.vertices.copy()
+    lapped[:, 0] *= -1.0
+    pins = pin_front(worn, replace(target, vertices=lapped), wearer.body)
+    assert pins is not None
+    left = len(worn.contour("front.left").vertices)  # type: ignore[union-attr]
+    assert pins.points[:left, 0].min() > 0.0 > pins.points[left:, 0].max()

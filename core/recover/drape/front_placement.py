@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...body.body import Body
 from ...cloth.pins import Pins
 from ...garment.garment import Garment
 from ...scan.contours.target import Target
@@ -19,22 +20,34 @@ FRONT_EDGE_DIRECTIONS = (1.0, 0.0, 1.0)
 """Weights of the springs along x, y and z [1]: the cloth hangs freely in height."""
 
 
-def pin_front(garment: Garment, target: Target) -> Pins | None:
+EDGE_GAP = 0.004
+"""Least distance of the two edges, sideways [m]: twice that of layers that rest on each other. Edges that a scan shows
+nearer, or lapped, meet: a pull through each other would not come to rest."""
+
+
+def pin_front(garment: Garment, target: Target, body: Body) -> Pins | None:
     """Return pins of an open front's edges at the same shares of the lengths of the scan's; None without such edges.
 
     Args:
         garment: The garment, its contours named.
         target: The scan, its contours named.
+        body: The wearer.
     """
     ours = [garment.contour(name) for name in FRONT_EDGES]
     seen = [target.contour(name) for name in FRONT_EDGES]
+    if any(one is None for one in ours) or any(one is None or not one.trusted for one in seen):
+        return None
+    curves = [made.curve(target.vertices) for made in seen if made is not None]
     nodes, points = [], []
-    for own, other in zip(ours, seen, strict=True):
-        if own is None or other is None or not other.trusted:
-            return None
-        nodes.append(own.vertices)
+    lateral = (body.joint("left_shoulder") - body.joint("right_shoulder")) * (1.0, 0.0, 1.0)
+    lateral = lateral / np.linalg.norm(lateral)
+    for own, curve, other, side in zip(ours, curves, curves[::-1], (0.5, -0.5), strict=True):
+        assert own is not None
         arc = own.curve(garment.nodes).arc
-        points.append(other.curve(target.vertices).at_shares(arc / arc[-1]))
+        place, opposite = curve.at_shares(arc / arc[-1]), other.at_shares(1.0 - arc / arc[-1])
+        gap = 2.0 * side * ((place - opposite) @ lateral)
+        nodes.append(own.vertices)
+        points.append(place + side * np.maximum(0.0, EDGE_GAP - gap)[:, None] * lateral)
     return Pins(np.concatenate(nodes), np.concatenate(points), FRONT_EDGE_STIFFNESS, FRONT_EDGE_DIRECTIONS)
 
 

@@ -184,7 +184,7 @@ def _pose_garment(
     if waist is not None and target is not None:
         nodes[waist] = place_waist(nodes[waist], target, flat_lengths(garment, waist))
     elif target is not None and target.contour(FRONT_EDGES[0]) is not None:
-        front = pin_front(garment.at(nodes, name_contours(nodes, garment.faces, body)[0]), target)
+        front = pin_front(garment.at(nodes, name_contours(nodes, garment.faces, body)[0]), target, body)
         if front is not None:
             nodes, pinned = place_pinned(nodes, front), front.nodes
     if pinned is not None and target is not None:
@@ -255,7 +255,7 @@ def drape_graded(
     Returns:
         The garment at rest with named contours, and the drape with its residual.
     """
-    nodes, pins = garment.nodes, pin_waist(garment, target) or pin_front(garment, target)
+    nodes, pins = garment.nodes, pin_waist(garment, target) or pin_front(garment, target, wearer.body)
     nodes = nodes if pins is None else place_pinned(nodes, pins)
     hooks.progress("drape", 0.1, "settling")
     threads = build_distance_constraints(garment, settings.follow.bending)
