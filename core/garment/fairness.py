@@ -136,7 +136,7 @@ def fair_curves(
             corner = _corner_excess(corner, measure_corner(base, join), proved.get(join), settings)
             if abs(corner) < settings.angle:
                 continue
-            ends = [end for end in _boundary_ends(pattern, join) if _can_bend(pattern, end[0], fixed)]
+            ends = [end for end in _boundary_ends(pattern, join) if can_bend(pattern, end[0], fixed)]
             for edge, is_end in ends:
                 # the boundary turns left by the corner: the arriving edge turns left, the departing one right
                 share = corner / len(ends)
@@ -206,12 +206,12 @@ def _turn(panel: Panel, index: int) -> float:
 def _tangent(panel: Panel, edge: int, is_end: bool) -> np.ndarray:
     """Return the unit direction of an edge at its start or end, shape [2]."""
     along = panel.points[(edge + 1) % len(panel.points)] - panel.points[edge]
-    x, y = _unit_tangent(panel.edges[edge], is_end)
+    x, y = unit_tangent(panel.edges[edge], is_end)
     found = x * along + y * np.array([-along[1], along[0]])
     return np.asarray(found / max(float(np.linalg.norm(found)), 1e-12))
 
 
-def _unit_tangent(edge: Edge, is_end: bool) -> np.ndarray:
+def unit_tangent(edge: Edge, is_end: bool) -> np.ndarray:
     """Return the direction of an edge's start or end in the frame of its chord, shape [2]."""
     if edge.kind == "line" or is_flat_arc(edge):
         return np.array([1.0, 0.0])
@@ -225,7 +225,7 @@ def _unit_tangent(edge: Edge, is_end: bool) -> np.ndarray:
     return np.asarray(steps[int(np.argmax(lengths > 1e-9))])
 
 
-def _can_bend(pattern: Pattern, edge: EdgeRef, fixed: Collection[Corner]) -> bool:
+def can_bend(pattern: Pattern, edge: EdgeRef, fixed: Collection[Corner]) -> bool:
     """Return whether an edge may change and is well approximated by a cubic curve."""
     panel = pattern.panel(edge.panel)
     if (edge.panel, edge.edge) in fixed and (edge.panel, (edge.edge + 1) % len(panel.points)) in fixed:
@@ -250,13 +250,13 @@ def _turn_ends(pattern: Pattern, turns: dict[EdgeRef, np.ndarray]) -> Pattern:
 
 def _bend(edge: Edge, chord: float, turns: np.ndarray) -> Edge:
     """Return an edge of a chord [m] as a cubic curve whose ends are turned left by two angles [rad], shape [2]."""
-    first, last = _cubic_handles(edge, chord)
+    first, last = cubic_handles(edge, chord)
     end = np.array([1.0, 0.0])
     handles = np.stack([plane_rotation(turns[0]) @ first, end + plane_rotation(turns[1]) @ (last - end)])
     return replace(edge, kind="cubic", handles=handles)
 
 
-def _cubic_handles(edge: Edge, chord: float) -> np.ndarray:
+def cubic_handles(edge: Edge, chord: float) -> np.ndarray:
     """Return the two handles of the cubic for an edge, shape [2, 2]; an arc is met within 0.3 % of its radius."""
     start, end = np.zeros(2), np.array([1.0, 0.0])
     if edge.kind == "cubic":
@@ -268,7 +268,7 @@ def _cubic_handles(edge: Edge, chord: float) -> np.ndarray:
         return np.array([[reach, 0.0], [1.0 - reach, 0.0]])
     _, radius, _, sweep = unit_circle(edge)
     reach = 4.0 / 3.0 * np.tan(abs(sweep) / 4.0) * radius
-    return np.stack([start + reach * _unit_tangent(edge, False), end - reach * _unit_tangent(edge, True)])
+    return np.stack([start + reach * unit_tangent(edge, False), end - reach * unit_tangent(edge, True)])
 
 
 def _keep_area(bent: Pattern, before: Pattern, fixed: Collection[Corner], rcond: float) -> Pattern:

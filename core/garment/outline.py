@@ -15,12 +15,17 @@ PLACEMENT_DEPTH = 0.25
 """Distance of front and back panels from the body's middle plane [m]: adult bodies are less than twice as deep."""
 
 VENT_LABEL = "vent"
-"""Beginning of the labels of open edges that are the sides of a vent."""
+"""Word of the labels of open edges that are the sides of a vent."""
 
 PLACKET_CONTOUR = "placket"
 """Beginning of the names of the open contours of slits in sleeves."""
 
 Point = tuple[float, float]
+
+
+def is_vent_side(edge: Edge) -> bool:
+    """Check whether an open edge is the side of a vent."""
+    return VENT_LABEL in edge.label.split(".")
 
 
 @dataclass(frozen=True)

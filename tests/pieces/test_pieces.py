@@ -9,6 +9,7 @@ from garmentq.core.garment.pieces.errors import AllowanceBad
 from garmentq.core.garment.pieces.flatten import flatten_edge, flatten_outline
 from garmentq.core.garment.pieces.make import PieceSettings, make_pieces
 from garmentq.core.garment.pieces.piece import TURNED_UP_EDGE_USES, EdgeUse
+from garmentq.core.garment.pieces.trueing import true_pattern
 from garmentq.core.garment.templates import load_template
 from garmentq_pieces import SLIT_CUTS, TEMPLATES, pieces_of
 from shapely import LineString, Point, Polygon
@@ -21,7 +22,7 @@ def settings(text="", fold=False):
 @pytest.mark.parametrize("name", TEMPLATES + SLIT_CUTS)
 def test_unfolded_pieces_are_the_panels(name):
     """Broken where joining, pairing or folding moves an edge: each panel comes back out of the pieces to 1e-6 m."""
-    pattern = load_template(name)
+    pattern = true_pattern(load_template(name)).pattern
     for fold in (False, True):
         pieces = pieces_of(name, fold=fold).pieces
         places = {place.panel: place for piece in pieces for place in piece.places}
@@ -75,7 +76,7 @@ def test_half_sleeves_are_one_piece_cut_as_a_pair():
 @pytest.mark.parametrize("name", TEMPLATES + SLIT_CUTS)
 def test_both_sides_of_each_seam_are_equally_long(name):
     """Broken where a seam of the pieces walks off by more than 0.5 mm, is lost, or counts a folded half once."""
-    pattern = load_template(name)
+    pattern = true_pattern(load_template(name)).pattern
     for fold in (False, True):
         made = pieces_of(name, fold=fold)
         assert all(abs(seam.lengths[0] - seam.lengths[1]) < 5e-4 for seam in made.seams if not seam.gathered)
@@ -212,16 +213,32 @@ def square(name, edges=None, label=""):
     return Panel(name, corners, edges or (Edge(),) * 4, label=label)
 
 
-def test_a_dart_is_marked_and_not_cut():
-    """Broken where the cut line follows a dart's legs instead of crossing its mouth."""
+def dart_piece(made):
     corners = np.array([[0.0, 0.0], [0.2, 0.0], [0.2, 0.2], [0.12, 0.2], [0.10, 0.10], [0.08, 0.2], [0.0, 0.2]])
     panel = Panel("back", corners, (Edge(),) * 7)
     seam = Seam(EdgeRef("back", 3), EdgeRef("back", 4))
-    (piece,) = make_pieces(Pattern("skirt", (panel,), (seam,)), settings("open=10,seam=10")).pieces
+    (piece,) = make_pieces(Pattern("skirt", (panel,), (seam,)), made).pieces
+    return piece
+
+
+def test_a_dart_is_marked_and_not_cut():
+    """Broken where the cut line follows a dart's legs instead of crossing its mouth."""
+    piece = dart_piece(settings("open=10,seam=10"))
     assert [edge.use for edge in piece.edges].count(EdgeUse.DART) == 2
-    assert Polygon(piece.cut.points).area == pytest.approx(0.22**2, rel=1e-6)
+    assert Polygon(piece.cut.points).area >= 0.22**2
     assert len(piece.darts) == 1 and piece.drills.tolist() == [[0.1, 0.1]]
     assert sum(notch.purpose == "dart" for notch in piece.notches) == 2
+
+
+def test_a_dart_is_cut_as_it_is_folded():
+    """Broken where a folded dart lacks cloth at its edge: its mouth has a peak, the edge's image in the fold."""
+    piece = dart_piece(PieceSettings(read_allowances("none"), is_trued=False))
+    leg = np.array([-0.02, 0.1]) / np.hypot(0.02, 0.1)
+    along = 2.0 * leg * (np.array([-1.0, 0.0]) @ leg) - np.array([-1.0, 0.0])
+    peak = np.array([0.08, 0.2]) + 0.02 / along[0] * along
+    mouth = Polygon([[0.12, 0.2], peak, [0.08, 0.2]])
+    square = Polygon([[0.0, 0.0], [0.2, 0.0], [0.2, 0.2], [0.0, 0.2]])
+    assert Polygon(piece.cut.points).symmetric_difference(square.union(mouth)).area < 1e-9
 
 
 def test_hostile_names_become_plain_ones():

@@ -9,6 +9,7 @@ from ...garment.pattern import Pattern
 from ...garment.pieces.layout import CLOTH_WIDTH
 from ...garment.pieces.make import make_pieces
 from ...garment.pieces.numbers import PieceNumbers, describe_pieces
+from ...garment.pieces.trueing import describe_trueing
 from ...run.errors import BadInput
 from ..formats.papers import find_paper
 from ..formats.tiled_pdf import tile_pieces
@@ -38,14 +39,20 @@ def pieces_html(pattern: Pattern) -> str:
     )
     heads = ("Piece", "Cut", "Sew line [cm]", "Area with allowance [cm²]")
     head = "".join(f"<th{' class=num' if at > 1 else ''}>{text}</th>" for at, text in enumerate(heads))
-    missing = "".join(f"<li>{escape(line)}</li>" for line in pieces.missing)
+    lists = (
+        ("Not in this pattern:", pieces.missing),
+        ("Lines where they cross seams:", describe_trueing(pieces.trued)),
+    )
+    notes = "".join(
+        f"<p>{head}</p><ul>{''.join(f'<li>{escape(line)}</li>' for line in lines)}</ul>"
+        for head, lines in lists
+        if lines
+    )
     return (
         '<section><h2>Pieces to cut</h2><p class="hint">With the usual seam allowances: '
         f"{cloth}, or {sheets} sheets of A4 to print, by a simple layout. <code>garmentq export JOB --as pdf</code> "
         "draws them at true scale.</p>"
-        f"<table><tr>{head}</tr>{rows}</table>"
-        + (f"<p>Not in this pattern:</p><ul>{missing}</ul>" if missing else "")
-        + "</section>"
+        f"<table><tr>{head}</tr>{rows}</table>{notes}</section>"
     )
 
 

@@ -14,6 +14,7 @@ from ...garment.garmentcode_writer import write_pattern
 from ...recover.recovery import Recovery
 from ...reuse.wear.worn import save_worn, worn_from_recovery
 from ...scan.coloured import to_coloured_scan
+from ..formats.production import FIT_FILE_NAME
 from ..texture.lookup import colour_vertices
 from .meshes import write_meshes, write_ply
 from .pattern_svg import write_svg
@@ -50,7 +51,7 @@ def write_recovery(recovery: Recovery, folder: Path) -> list[Path]:
     write_svg(recovery.pattern, folder / "pattern.svg")
     files.append(folder / "pattern.svg")
     if recovery.estimates:
-        files.append(write_json(describe_fit(recovery), folder / "fit.json"))
+        files.append(write_json(describe_fit(recovery), folder / FIT_FILE_NAME))
     files.append(write_json(recovery.report.metrics, folder / "metrics.json"))
     files.append(write_json(recovery.report.manifest, folder / "manifest.json"))
     files.append(save_worn(worn_from_recovery(recovery), folder))

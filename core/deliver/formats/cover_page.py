@@ -7,6 +7,7 @@ import numpy as np
 from ...garment.meshing import points_in_polygon
 from ...garment.pieces.layout import lay_on_cloth
 from ...garment.pieces.piece import EdgeUse, PieceSet
+from ...garment.pieces.trueing import describe_trueing
 from .drawing import describe_cutting, keep_ascii
 from .pdf_file import show_text
 from .sheet import Sheet
@@ -20,6 +21,10 @@ COVER_LINE_HEIGHT_MM = 4.4
 
 COVER_TEXT_SIZE_MM = 3.2
 """Size of the text [mm]."""
+
+
+COVER_HEADINGS = ("Pieces", "Sewing order", "Not in this pattern", "Trueing")
+"""Lines that are bold."""
 
 
 def cover_content(sheet: Sheet, tiling: Tiling) -> str:
@@ -124,7 +129,7 @@ def _list_pieces(pieces: PieceSet, shown: dict[int, list[str]]) -> list[str]:
 
 
 def list_notes(pieces: PieceSet) -> list[str]:
-    """Return a line for each allowance of a garment, and for each missing item."""
+    """Return a line for the allowances of a garment, one for each missing item and one for each line that was trued."""
     widths = {
         edge.use: edge.width
         for piece in pieces.pieces
@@ -133,7 +138,9 @@ def list_notes(pieces: PieceSet) -> list[str]:
     }
     included = ", ".join(f"{use} {1e3 * widths[use]:g}" for use in sorted(widths))
     head = f"Allowance included [mm]: {included}" if any(widths.values()) else "No seam allowance included"
-    return [head, "", "Not in this pattern", *(f"- {line}" for line in pieces.missing)]
+    trued = [f"- {line}" for line in describe_trueing(pieces.trued)]
+    missing = [f"- {line}" for line in pieces.missing]
+    return [head, "", "Not in this pattern", *missing, *(["", "Trueing", *trued] if trued else [])]
 
 
 def list_steps(pieces: PieceSet) -> list[str]:
@@ -161,7 +168,7 @@ def _column(x: float, y: float, lines: list[str], most: int, width: float) -> st
             y - COVER_LINE_HEIGHT_MM * n,
             COVER_TEXT_SIZE_MM,
             line[:letters],
-            bold=line in ("Pieces", "Sewing order", "Not in this pattern"),
+            bold=line in COVER_HEADINGS,
         )
         for n, line in enumerate(lines[:most])
     ]

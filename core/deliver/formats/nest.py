@@ -48,7 +48,12 @@ def write(production: Production, folder: Path) -> list[Path]:
         production.worn.pattern, production.worn.template, production.measures, production.height, production.options
     )
     pieces = [
-        make_pieces(size.pattern, production.options.piece_settings, replace(production.style, size=size.name))
+        make_pieces(
+            size.pattern,
+            production.options.piece_settings,
+            replace(production.style, size=size.name),
+            production.point_std,
+        )
         for size in sizes
     ]
     files = [save_pattern(size.pattern, folder / f"pattern_{size.name}.json") for size in sizes]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,6 +13,7 @@ import numpy as np
 
 from ...garment.garmentcode_writer import save_pattern
 from ...garment.measures import BodyMeasures
+from ...garment.pattern import Pattern
 from ...garment.pieces.make import Style, make_pieces
 from ...garment.pieces.piece import PieceSet
 from ...recover.drape.sizing import measure_wearer
@@ -19,6 +21,9 @@ from ...reuse.wear.worn import WornGarment
 from ...run.hooks import SILENT_HOOKS, Hooks
 from .options import ExportOptions
 from .registry import FORMATS
+
+FIT_FILE_NAME = "fit.json"
+"""Name of the file of a result with its fit's estimates."""
 
 STEM = "pieces"
 """Beginning of an export's file names, which contain no name from a user."""
@@ -60,7 +65,24 @@ class Production:
     @cached_property
     def pieces(self) -> PieceSet:
         """Return the production pieces of the garment."""
-        return make_pieces(self.worn.pattern, self.options.piece_settings, self.style)
+        return make_pieces(self.worn.pattern, self.options.piece_settings, self.style, self.point_std)
+
+    @cached_property
+    def point_std(self) -> np.ndarray | None:
+        """Return the standard deviation of each control point [m], shape [point_count, 2]; None where the result has
+        none for this pattern."""
+        return read_point_std(self.files / FIT_FILE_NAME, self.worn.pattern)
+
+
+def read_point_std(path: Path, pattern: Pattern) -> np.ndarray | None:
+    """Read the standard deviation of each control point of a pattern from a fit's file [m], shape [point_count, 2];
+    None where the file does not have it."""
+    try:
+        stored = json.loads(path.read_text(encoding="utf-8"))["control_point_std_m"]
+        found = np.concatenate([np.array(stored[panel.name], float) for panel in pattern.panels])
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return None
+    return found if found.shape == pattern.points.shape and np.isfinite(found).all() else None
 
 
 def describe_size(measures: BodyMeasures, height: float) -> str:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...geometry.geometry import unit
+from ..curves import edge_points
 from ..outline import PLACKET_CONTOUR
 from ..pattern import Panel
 
@@ -44,6 +46,38 @@ def _turns_inward(net: Panel, edge: int) -> bool:
     count = len(net.points)
     a, b, c = (net.points[(edge + k) % count] for k in range(3))
     return bool((b - a)[0] * (c - b)[1] - (b - a)[1] * (c - b)[0] < 0.0)
+
+
+def fold_mouth(net: Panel, span: Span, is_laid_back: bool) -> np.ndarray:
+    """Return the cut edge of a dart's mouth [m], shape [3, 2]: the edge beside it, seen through the folded dart. The
+    half of the intake beside a leg lies under the cloth beyond that leg, so its edge is the mirror image of the edge
+    there, up to the fold in the middle; the other half is the mirror image of the first.
+
+    Args:
+        net: The piece.
+        span: The dart's first and last edge.
+        is_laid_back: True where the intake is laid on the side of the edge before the dart, False on that of the next.
+    """
+    count = len(net.points)
+    first, last = net.points[span[0] % count], net.points[(span[1] + 1) % count]
+    if is_laid_back:
+        mouth, leg, beside = (
+            first,
+            edge_points(net, span[0] % count, 64)[1],
+            edge_points(net, (span[0] - 1) % count, 64)[-2],
+        )
+    else:
+        mouth, leg, beside = (
+            last,
+            edge_points(net, span[1] % count, 64)[-2],
+            edge_points(net, (span[1] + 1) % count, 64)[1],
+        )
+    along, axis = beside - mouth, unit(leg - mouth)
+    along = 2.0 * float(along @ axis) * axis - along
+    middle = (first + last) / 2.0
+    fold = middle - net.points[(span[0] + span[1] + 1) // 2 % count]
+    reach = np.linalg.lstsq(np.stack([along, -fold], axis=1), middle - mouth, rcond=None)[0][0]
+    return np.array([first, mouth + reach * along, last]) if reach > 0.0 else np.array([first, last])
 
 
 def dart_lines(

@@ -8,11 +8,12 @@ import numpy as np
 
 from ..creases import find_turned_panels, is_crease
 from ..meshing import points_in_polygon
-from ..outline import PLACKET_CONTOUR, VENT_LABEL
+from ..orientation import place_points
+from ..outline import PLACKET_CONTOUR, is_vent_side
 from ..pattern import EdgeRef, Panel, Pattern
 from .allowance import Allowances
 from .closure import find_closure
-from .darts import dart_lines, find_darts, find_slits
+from .darts import dart_lines, find_darts, find_slits, fold_mouth
 from .flatten import flatten_edge, flatten_outline
 from .folding import fold_piece
 from .joining import Group, join_halves, turn_group
@@ -24,6 +25,7 @@ from .offset import offset_outline
 from .pairing import MirroredGroup, find_twins, pair_groups
 from .piece import EdgeUse, Piece, PieceEdge, PieceSet
 from .sewing_order import order_seams
+from .trueing import Trueing, true_pattern
 
 CONTOURS = {
     "neck": EdgeUse.NECK, "armhole": EdgeUse.ARMHOLE, "cuff": EdgeUse.CUFF, "hem": EdgeUse.HEM, "leg": EdgeUse.LEG,
@@ -48,21 +50,37 @@ class Style:
 
 @dataclass(frozen=True)
 class PieceSettings:
-    """Describe how pieces are made: seam allowances, and whether symmetric pieces are drawn as a half on the fold."""
+    """Describe how pieces are made: seam allowances, whether symmetric pieces are drawn as a half on the fold, and
+    whether lines are trued where they cross seams."""
 
     allowances: Allowances = field(default_factory=Allowances)
     fold: bool = False
+    is_trued: bool = True
 
 
-def make_pieces(pattern: Pattern, settings: PieceSettings | None = None, style: Style | None = None) -> PieceSet:
-    """Return the production pieces of a pattern. Halves of a sleeve or band are joined, mirrored pairs drawn once,
-    grainlines turned to +y; each piece gets its cut line by `offset_outline`, and notches on both sides of each seam.
+def make_pieces(
+    pattern: Pattern,
+    settings: PieceSettings | None = None,
+    style: Style | None = None,
+    point_std: np.ndarray | None = None,
+) -> PieceSet:
+    """Return the production pieces of a pattern. Lines are trued (`true_pattern`), halves of a sleeve or band joined,
+    mirrored pairs drawn once, grainlines turned to +y; each piece gets its cut line by `offset_outline`, and notches on
+    both sides of each seam.
+
+    Args:
+        pattern: The pattern.
+        settings: How pieces are made.
+        style: What they are labelled with.
+        point_std: Standard deviation of a recovered pattern's control points [m], shape [point_count, 2], or None.
 
     Raises:
         PieceBad: where a piece cannot be cut.
         PanelCrossing, PanelDegenerate: where a panel is invalid.
     """
     settings, style = settings or PieceSettings(), style or Style()
+    trueing = true_pattern(pattern, point_std) if settings.is_trued else Trueing(pattern)
+    pattern = trueing.pattern
     groups = tuple(turn_group(group) for group in join_halves(pattern))
     drawn = sorted(pair_groups(pattern, groups), key=lambda one: _rank(pattern, _group(one)))
     both = [isinstance(one, MirroredGroup) and not one.is_symmetric for one in drawn]
@@ -80,6 +98,7 @@ def make_pieces(pattern: Pattern, settings: PieceSettings | None = None, style: 
         pieces,
         order_seams(pattern, pieces, find_twins(pattern)),
         list_missing(pieces, bool(find_turned_panels(pattern))),
+        trueing.lines,
     )
 
 
@@ -114,8 +133,11 @@ def _make_piece(
         _describe_edge(pattern, ref, twin, i in inner, settings)
         for i, (ref, twin) in enumerate(zip(group.sources, twins, strict=True))
     )
-    wedges = (*darts, *find_slits(group.net))
-    offset = offset_outline(group.net, edges, wedges)
+    slits = find_slits(group.net)
+    wedges = (*darts, *slits)
+    mouths = {span: fold_mouth(group.net, span, _is_laid_back(pattern, group, span)) for span in darts}
+    mouths |= {(first, last): group.net.points[[first, (last + 1) % len(edges)]] for first, last in slits}
+    offset = offset_outline(group.net, edges, mouths)
     cut, notches = place_notches(group.net, edges, [_edge_marks(marks, edge) for edge in edges], offset, wedges)
     lines, tips = dart_lines(group.net, wedges, [flatten_edge(group.net, i) for i in range(len(edges))])
     piece = Piece(
@@ -135,6 +157,22 @@ def _make_piece(
     if settings.fold and isinstance(drawn, MirroredGroup) and drawn.is_symmetric:
         return fold_piece(piece, drawn) or piece
     return piece
+
+
+def _is_laid_back(pattern: Pattern, group: Group, span: tuple[int, int]) -> bool:
+    """Check whether a dart's intake is laid towards the edge before it. It is laid down, or to the wearer's middle,
+    whichever its mouth is more along (H. Joseph-Armstrong, Patternmaking for Fashion Design)."""
+    count = len(group.sources)
+    before, after = group.sources[(span[0] - 1) % count], group.sources[(span[1] + 1) % count]
+    ends = (before.panel, before.edge + 1), (after.panel, after.edge)
+    panels = [pattern.panel(name) for name, _ in ends]
+    one, other = (
+        place_points(panel, panel.points[[index % len(panel.points)]])[0]
+        for panel, (_, index) in zip(panels, ends, strict=True)
+    )
+    if abs(other[1] - one[1]) > abs(other[0] - one[0]):
+        return bool(one[1] < other[1])
+    return bool(abs(one[0]) < abs(other[0]))
 
 
 def _crease_lines(pattern: Pattern, group: Group) -> tuple[np.ndarray, ...]:
@@ -171,8 +209,7 @@ def _describe_edge(
         use = EdgeUse.GATHERED if seams[0].gathered else EdgeUse.SEAM
     else:
         edge = pattern.panel(ref.panel).edges[ref.edge]
-        is_vent = edge.label.startswith(VENT_LABEL)
-        use = EdgeUse.VENT if is_vent else CONTOURS.get(edge.contour.split(".")[0], EdgeUse.OPEN)
+        use = EdgeUse.VENT if is_vent_side(edge) else CONTOURS.get(edge.contour.split(".")[0], EdgeUse.OPEN)
     return PieceEdge(use, settings.allowances.widths[use], ref, mirror=mirror)
 
 

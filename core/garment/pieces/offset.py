@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,13 +33,18 @@ class Offset:
     folds: tuple[tuple[int, np.ndarray, np.ndarray], ...]
 
 
-def offset_outline(net: Panel, edges: tuple[PieceEdge, ...], darts: tuple[Span, ...]) -> Offset:
-    """Return the cut line of a piece: at its allowance from each edge, straight across the mouth of a dart.
+def offset_outline(net: Panel, edges: tuple[PieceEdge, ...], mouths: Mapping[Span, np.ndarray]) -> Offset:
+    """Return the cut line of a piece: at its allowance from each edge, and from the mouth of each dart or slit.
+
+    Args:
+        net: The piece.
+        edges: What each edge is.
+        mouths: The edge across the mouth of each dart [m], shape [n, 2], from its first edge's start.
 
     Raises:
         PieceBad: where the loop that remains is smaller than the net piece.
     """
-    sides = _list_sides(net, edges, darts)
+    sides = _list_sides(net, edges, mouths)
     lines = [side.offset() for side in sides]
     between, folds = [], []
     for k, side in enumerate(sides):
@@ -54,19 +60,18 @@ def offset_outline(net: Panel, edges: tuple[PieceEdge, ...], darts: tuple[Span, 
     return Offset(cut, tuple(folds))
 
 
-def _list_sides(net: Panel, edges: tuple[PieceEdge, ...], darts: tuple[Span, ...]) -> list[Side]:
-    """Return the edges to be offset, each dart replaced by a line across its mouth, in order of the outline."""
+def _list_sides(net: Panel, edges: tuple[PieceEdge, ...], mouths: Mapping[Span, np.ndarray]) -> list[Side]:
+    """Return the edges to be offset, each dart replaced by its mouth, in order of the outline."""
     count = len(edges)
-    inside = {k % count: span for span in darts for k in range(span[0], span[1] + 1)}
+    inside = {k % count: span for span in mouths for k in range(span[0], span[1] + 1)}
     sides = []
     for i, edge in enumerate(edges):
         if i not in inside:
             sides.append(Side(i, flatten_edge(net, i), edge.width, edge.use))
         elif inside[i][0] % count == i:
-            first, last = inside[i]
-            mouth = net.points[[first % count, (last + 1) % count]]
-            before = edges[(first - 1) % count]
-            if np.linalg.norm(mouth[1] - mouth[0]) > CUT_VERTEX_MERGE_DISTANCE:
+            mouth = mouths[inside[i]]
+            before = edges[(inside[i][0] - 1) % count]
+            if np.linalg.norm(mouth[-1] - mouth[0]) > CUT_VERTEX_MERGE_DISTANCE:
                 sides.append(Side(i, mouth, before.width, before.use))
     return sides
 

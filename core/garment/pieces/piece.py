@@ -189,6 +189,28 @@ class SeamWalk:
 
 
 @dataclass(frozen=True)
+class TruedLine:
+    """Describe a line at the end of a seam, and what trueing did there.
+
+    Attributes:
+        line: Name of the line: its contour or label, or the panel that it is sewn to.
+        seam: Name of the seam that it crosses: its label, or its panels.
+        corner: The angle between both parts of the line before [rad], 0 where it is smooth; positive: it points out.
+        move: Largest distance that the line moved near the seam, or would have moved [m]; infinite where no curve of
+            the same length is smooth.
+        tolerance: Largest distance that it may move [m].
+        is_trued: Whether it was made smooth.
+    """
+
+    line: str
+    seam: str
+    corner: float
+    move: float
+    tolerance: float
+    is_trued: bool
+
+
+@dataclass(frozen=True)
 class PieceSet:
     """Describe all pieces of a garment.
 
@@ -199,6 +221,7 @@ class PieceSet:
         pieces: The pieces, bodies first.
         seams: The seams, in the order in which they are sewn.
         missing: What a wearable garment needs beside net panels, one line each.
+        trued: Each line that was not smooth where it crosses a seam.
     """
 
     name: str
@@ -207,3 +230,4 @@ class PieceSet:
     pieces: tuple[Piece, ...]
     seams: tuple[SeamWalk, ...]
     missing: tuple[str, ...]
+    trued: tuple[TruedLine, ...] = ()
