@@ -30,6 +30,7 @@ from .errors import (
     SeamUnknown,
 )
 from .garmentcode_writer import EXTENSION_KEY, save_pattern, write_pattern
+from .grain import place_grains
 from .json_values import get_index, get_list, get_number, get_object, get_text, get_vector
 from .numbering import Numbering, renumber
 from .orientation import agree_orientation, mirror_panel
@@ -145,9 +146,9 @@ def read_numbered(
     category = extension.get("category", "")
     category = get_text(category, "the category", MAX_CATEGORY_LENGTH) if isinstance(category, str) else ""
     pattern = Pattern(name, tuple(panels), seams, category, extra)
-    read = _restore_extensions(pattern, extension)
-    if extension and all(seam.reversed for seam in seams):
-        return _mark_gathers(read, extension), found  # written by `write_pattern`, with consistent panels
+    read, grained = _restore_extensions(pattern, extension)
+    if extension and all(seam.reversed for seam in seams):  # written by `write_pattern`, with consistent panels
+        return place_grains(_mark_gathers(read, extension), grained), found
     try:
         agreed = agree_orientation(read)
     except NotOrientable as error:
@@ -157,7 +158,7 @@ def read_numbered(
         if panel.mirrored != now.mirrored:  # turned over: its loop is reversed, from the same point
             before = found[panel.name]
             found[panel.name] = Numbering(before.edges[::-1], (before.vertices[0], *before.vertices[:0:-1]))
-    return _mark_gathers(agreed, extension), found
+    return place_grains(_mark_gathers(agreed, extension), grained), found
 
 
 def parse_document(source: str | bytes) -> Any:
@@ -344,10 +345,11 @@ def _read_seams(stitches: list[Any], numbers: dict[str, dict[int, int]]) -> tupl
     return tuple(seams)
 
 
-def _restore_extensions(pattern: Pattern, extension: dict[str, Any]) -> Pattern:
-    """Restore grainlines, notches and contour names that `write_pattern` kept; invalid ones are ignored."""
+def _restore_extensions(pattern: Pattern, extension: dict[str, Any]) -> tuple[Pattern, frozenset[str]]:
+    """Restore grainlines, notches and contour names that `write_pattern` kept; invalid ones are ignored. Return also
+    the names of the panels that have a grainline."""
     notes = extension.get("panels", {}) if isinstance(extension.get("panels", {}), dict) else {}
-    panels = []
+    panels, grained = [], []
     for panel in pattern.panels:
         note = notes.get(panel.name, {})
         note = note if isinstance(note, dict) else {}
@@ -359,16 +361,17 @@ def _restore_extensions(pattern: Pattern, extension: dict[str, Any]) -> Pattern:
         ):
             edges = tuple(replace(edge, contour=name) for edge, name in zip(panel.edges, contours, strict=True))
             panel = replace(panel, edges=edges)
-        grain = note.get("grainline", 0.0)
+        grain = note.get("grainline")
         if isinstance(grain, int | float) and not isinstance(grain, bool) and abs(grain) <= 10.0:
             panel = replace(panel, grainline=float(grain))
+            grained.append(panel.name)
         notches = []
         for notch in note.get("notches", []) if isinstance(note.get("notches", []), list) else []:
             if isinstance(notch, list) and len(notch) == 2 and all(isinstance(v, int | float) for v in notch):
                 if 0 <= notch[0] < len(panel.edges) and 0.0 <= notch[1] <= 1.0:
                     notches.append((int(notch[0]), float(notch[1])))
         panels.append(replace(panel, notches=tuple(notches)))
-    return replace(pattern, panels=tuple(panels))
+    return replace(pattern, panels=tuple(panels)), frozenset(grained)
 
 
 def _mark_gathers(pattern: Pattern, extension: dict[str, Any]) -> Pattern:

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from .curves import is_flat_arc, unit_circle
+from .grain import list_unknown_grains
 from .orientation import mirror_panel
 from .pattern import Panel, Pattern
 
@@ -41,12 +42,13 @@ def write_pattern(pattern: Pattern) -> dict[str, Any]:
         + ([] if seam.reversed else ["right_wrong"])
         for seam in pattern.seams
     ]
+    unknown = list_unknown_grains(pattern)
     extension = {
         "category": pattern.category,
         "gathered": [index for index, seam in enumerate(pattern.seams) if seam.gathered],
         "panels": {
             panel.name: {
-                "grainline": panel.grainline,
+                **({} if panel.name in unknown else {"grainline": panel.grainline}),
                 "notches": [list(notch) for notch in panel.notches],
                 "contours": [edge.contour for edge in panel.edges],
             }

@@ -28,6 +28,11 @@ def is_vent_side(edge: Edge) -> bool:
     return VENT_LABEL in edge.label.split(".")
 
 
+def is_slit_side(edge: Edge) -> bool:
+    """Check whether an open edge is the side of a vent, or of a slit in a sleeve."""
+    return is_vent_side(edge) or edge.contour.startswith(PLACKET_CONTOUR)
+
+
 @dataclass(frozen=True)
 class Stroke:
     """Describe one edge from the end of the last one.
@@ -229,8 +234,8 @@ def labelled_length(outline: Outline, label: str) -> float:
 
 
 MIN_NOTCHED_SEAM_LENGTH = 0.12
-"""Length of a seam above which it gets a notch at half its length where the draft sets none [m]: a longer piece cannot
-be held at once in sewing."""
+"""Length of a seam above which it gets a notch at half its length where nothing sets one [m]: a longer piece cannot be
+held at once in sewing."""
 
 
 MIN_GATHER_SHARE = 0.03

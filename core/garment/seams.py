@@ -9,7 +9,7 @@ import numpy as np
 
 from .curves import unit_length
 from .memo import memoise
-from .pattern import Pattern
+from .pattern import EdgeRef, Pattern
 from .symmetry import Symmetry, find_symmetry
 
 MIN_SINGULAR_VALUE_SHARE = 0.05
@@ -37,6 +37,11 @@ class SeamSettings:
     tolerance: float = 1e-6
     iterations: int = 30
     trials: int = 6
+
+
+def find_sewn_partners(pattern: Pattern) -> dict[EdgeRef, EdgeRef]:
+    """Return the edge that each sewn edge is sewn to."""
+    return {seam.a: seam.b for seam in pattern.seams} | {seam.b: seam.a for seam in pattern.seams}
 
 
 def seam_lengths(pattern: Pattern) -> np.ndarray:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import platform
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 import numpy as np
 
+from ..garment.contour_edges import name_open_edges
 from ..garment.pieces.numbers import measure_pieces
 from ..judge.contour_shape import measure_contour_shapes
 from ..judge.estimates import summarise_estimates
@@ -58,6 +59,7 @@ def deliver(case: Case, state: RecoveryState, clock: Clock, known: Metrics | Non
     """Measure and judge a finished state, and return it as the result; `known` metrics, as they were before its
     re-drape, are not measured again."""
     garment, settings, last = made(state.garment), case.settings, state
+    garment = replace(garment, pattern=name_open_edges(garment))
     state = state.with_findings(*(corner.describe() for corner in state.corners))
     omissions = [one.describe() for one in case.undeclared or () if one.is_off_body]
     omissions += find_misfit_warnings(case.scan.vertices, case.body)

@@ -13,6 +13,7 @@ from garmentq.core.garment.pattern import Edge, Panel, Pattern
 from garmentq.core.garment.pieces.errors import PieceBad
 from garmentq.core.garment.pieces.make import make_pieces
 from garmentq.core.garment.pieces.numbers import describe_pieces
+from garmentq.core.garment.pieces.trueing import describe_trueing
 from garmentq.core.garment.templates import load_template
 
 
@@ -27,7 +28,8 @@ def test_pieces_sheets_and_cloth_are_told() -> None:
     sheets = int(re.search(r"(\d+) sheets of A4", html).group(1))
     area = sum(one.area for one in numbers)
     assert area / (0.19 * 0.277) < sheets < 4 * area / (0.19 * 0.277)
-    assert html.count("<li>") == len(make_pieces(pattern).missing) > 0
+    made = make_pieces(pattern)
+    assert html.count("<li>") == len(made.missing) + len(describe_trueing(made.trued)) > len(made.missing) > 0
 
 
 def test_hostile_names_stay_text() -> None:

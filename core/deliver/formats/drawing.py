@@ -24,6 +24,10 @@ MAX_PIECE_TEXT_SIZE, MIN_PIECE_TEXT_SIZE = 0.009, 0.005
 """Largest and smallest size of the text on a piece [m]: 9 mm where there is room, at least 5 mm."""
 
 
+GRAIN_UNKNOWN_TEXT = "GRAIN UNKNOWN"
+"""Text across a piece whose warp neither file nor place shows."""
+
+
 class Layer(StrEnum):
     """List the layers of lines and texts."""
 
@@ -71,9 +75,9 @@ def draw_lines(piece: Piece) -> list[Line]:
     cross = np.array([[-0.003, 0.0], [0.003, 0.0]])
     for drill in piece.drills:
         lines += [Line(Layer.MARK, drill + cross), Line(Layer.MARK, drill + cross[:, ::-1])]
-    if piece.fold is None:
+    if piece.fold is None and piece.is_grain_known:
         lines += [Line(Layer.GRAIN, part) for part in _arrow(*piece.grain)]
-    else:
+    elif piece.fold is not None:
         ends = flatten_edge(piece.net, piece.fold)[[0, -1]] + [FOLD_INSET, 0.0]
         span = ends[1] - ends[0]
         inner = np.array([ends[0] + 0.1 * span, ends[0] + 0.9 * span])
@@ -114,6 +118,7 @@ def list_texts(pieces: PieceSet, number: int) -> list[str]:
     lines = [
         piece.name,
         describe_cutting(piece),
+        "" if piece.is_grain_known else GRAIN_UNKNOWN_TEXT,
         f"{number + 1}/{len(pieces.pieces)} {keep_ascii(pieces.name)}",
         describe_allowance(piece),
         keep_ascii(pieces.size),

@@ -15,7 +15,7 @@ from ...garment.pattern import Panel
 from ...garment.pieces.flatten import flatten_outline
 from ...garment.pieces.piece import Piece, PieceSet
 from .dialects import DIALECTS_BY_NAME, Dialect, OutlineClosing
-from .drawing import keep_ascii
+from .drawing import GRAIN_UNKNOWN_TEXT, keep_ascii
 
 if TYPE_CHECKING:
     from .production import Production
@@ -166,7 +166,8 @@ def _draw(
     if piece.fold is not None:
         number = piece.fold
         _line(out, 6, piece.net.points[[number, (number + 1) % len(piece.net.points)]], dialect)
-    _line(out, 7, piece.grain, dialect)
+    if piece.is_grain_known:
+        _line(out, 7, piece.grain, dialect)
     for line in piece.darts:
         _polyline(out, 8, line, dialect, closed=False)
     for drill in piece.drills:
@@ -177,7 +178,7 @@ def _draw(
         dialect.size_key: block.size,
         "QUANTITY": f"{piece.quantity // 2},{piece.quantity // 2}" if piece.pair else f"{piece.quantity}",
         "MATERIAL": keep_ascii(pieces.fabric)[:20],
-        "ANNOTATION": keep_ascii(pieces.size),
+        "ANNOTATION": keep_ascii(pieces.size) if piece.is_grain_known else GRAIN_UNKNOWN_TEXT,
     }
     for n, (key, value) in enumerate(texts.items()):
         _text(out, dialect.text_layer, f"{key}: {value}", (middle[0] + 0.01, middle[1] - 0.01 * n), dialect)

@@ -45,7 +45,7 @@ def write(production: Production, folder: Path) -> list[Path]:
         PieceBad: where a piece of a size cannot be cut.
     """
     sizes = grade_sizes(
-        production.worn.pattern, production.worn.template, production.measures, production.height, production.options
+        production.pattern, production.worn.template, production.measures, production.height, production.options
     )
     pieces = [
         make_pieces(

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ...garment.contour_edges import name_open_edges
 from ...garment.garmentcode_writer import save_pattern
 from ...garment.measures import BodyMeasures
 from ...garment.pattern import Pattern
@@ -65,13 +66,18 @@ class Production:
     @cached_property
     def pieces(self) -> PieceSet:
         """Return the production pieces of the garment."""
-        return make_pieces(self.worn.pattern, self.options.piece_settings, self.style, self.point_std)
+        return make_pieces(self.pattern, self.options.piece_settings, self.style, self.point_std)
+
+    @cached_property
+    def pattern(self) -> Pattern:
+        """Return the garment's pattern, open edges without a name named as the garment is worn."""
+        return name_open_edges(self.worn.garment)
 
     @cached_property
     def point_std(self) -> np.ndarray | None:
         """Return the standard deviation of each control point [m], shape [point_count, 2]; None where the result has
         none for this pattern."""
-        return read_point_std(self.files / FIT_FILE_NAME, self.worn.pattern)
+        return read_point_std(self.files / FIT_FILE_NAME, self.pattern)
 
 
 def read_point_std(path: Path, pattern: Pattern) -> np.ndarray | None:
@@ -106,4 +112,4 @@ def write_production(production: Production, folder: Path) -> list[Path]:
 
 def write_garmentcode(production: Production, folder: Path) -> list[Path]:
     """Write the pattern as GarmentCode JSON, and return the file."""
-    return [save_pattern(production.worn.pattern, folder / "pattern.json")]
+    return [save_pattern(production.pattern, folder / "pattern.json")]

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..pattern import Edge, EdgeRef, Pattern, Seam
+from ..seams import find_sewn_partners
 from .edge_division import divide, forget_edges
-from .partners import find_sewn_partners
 
 MIN_FOUND_DART_LENGTH = 1e-3
 """Smallest length of a dart from its mouth to its apex [m]. Below it two collinear edges that are sewn to each other

@@ -10,8 +10,9 @@ import numpy as np
 from ..curves import chord, edge_length, place_on_chord, relative_to_chord, split_edge, unit_circle, unit_length
 from ..errors import Place
 from ..pattern import Edge, EdgeRef, Panel, Pattern, Seam
+from ..seams import find_sewn_partners
 from .errors import EditBad
-from .partners import Corner, check_number, find_panel, find_sewn_partners, mirror_corners, mirror_edges
+from .partners import Corner, check_number, find_panel, mirror_corners, mirror_edges
 
 MIN_SPLIT_SHARE = 1e-3
 """Share of an edge's length at its ends where it is not cut: a piece of less than 1 mm of a metre is no edge."""

@@ -7,7 +7,8 @@ from collections.abc import Collection
 import numpy as np
 
 from ..pattern import EdgeRef, Pattern
-from .partners import Corner, check_number, find_panel, find_sewn_partners, mirror_corners, restore_seam_lengths
+from ..seams import find_sewn_partners
+from .partners import Corner, check_number, find_panel, mirror_corners, restore_seam_lengths
 
 
 def move_points(

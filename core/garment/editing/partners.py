@@ -40,11 +40,6 @@ def check_number(panel: Panel, number: int) -> None:
         raise EditBad(message, Place(panel.name))
 
 
-def find_sewn_partners(pattern: Pattern) -> dict[EdgeRef, EdgeRef]:
-    """Return the edge that each sewn edge is sewn to."""
-    return {seam.a: seam.b for seam in pattern.seams} | {seam.b: seam.a for seam in pattern.seams}
-
-
 def mirror_corners(pattern: Pattern) -> dict[Corner, list[tuple[Corner, np.ndarray]]]:
     """Return the images of each control point, each with the matrix from a move of the point to that of the image."""
     found: dict[Corner, list[tuple[Corner, np.ndarray]]] = {}

@@ -9,12 +9,12 @@ import numpy as np
 
 from ..curves import chord, relative_to_chord
 from ..pattern import Edge, EdgeRef, Panel, Pattern
+from ..seams import find_sewn_partners
 from .errors import EditBad
 from .partners import (
     Corner,
     check_number,
     find_panel,
-    find_sewn_partners,
     mirror_corners,
     mirror_edges,
     restore_seam_lengths,

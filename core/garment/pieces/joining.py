@@ -11,6 +11,7 @@ from ..creases import is_crease
 from ..errors import PanelCrossing, PanelDegenerate
 from ..orientation import place_points
 from ..pattern import EdgeRef, Panel, Pattern, Seam
+from ..seams import find_sewn_partners
 from ..validity import check_outline
 from .closure import find_closure
 from .piece import PanelPlace
@@ -43,7 +44,8 @@ def join_halves(pattern: Pattern) -> tuple[Group, ...]:
     Halves are joined at a seam of two straight edges of one length, not gathered, where the outline stays simple and
     the grainlines agree within `MAX_JOINED_GRAIN_ANGLE`. Of several such seams the highest on the wearer is taken: the
     top of a sleeve, not below it. So are the two sides of a straight crease: a lapel and its front, a fall and its
-    stand. Where joining closes another such seam over its length, it is no seam of the piece either."""
+    stand. Where joining closes another such seam over its length, it is no seam of the piece either. Halves that part
+    again beyond the seam, as those of a flared sleeve do, are not joined: a wedge would be cut out between them."""
     groups = {panel.name: _single_panel_group(panel) for panel in pattern.panels}
     for seam in sorted(pattern.seams, key=lambda one: -_height(pattern, one.a)):
         if seam.gathered or not seam.reversed or find_closure(pattern, seam.a) is not None:
@@ -52,8 +54,8 @@ def join_halves(pattern: Pattern) -> tuple[Group, ...]:
         if first is second or not _is_within_piece(pattern, seam):
             continue
         joined = _join(first, first.sources.index(seam.a), second, second.sources.index(seam.b))
-        if joined is not None:
-            joined = _close_seams(pattern, joined)
+        joined = None if joined is None else _close_seams(pattern, joined)
+        if joined is not None and not _has_gap(pattern, joined):
             groups.update((place.panel, joined) for place in joined.places)
     return tuple(dict.fromkeys(groups.values()))
 
@@ -98,6 +100,13 @@ def _close_seams(pattern: Pattern, group: Group) -> Group:
         closed = replace(net, points=net.points[keep], edges=tuple(net.edges[k] for k in keep))
         group, n = replace(group, net=closed, sources=tuple(group.sources[k] for k in keep)), 0
     return group
+
+
+def _has_gap(pattern: Pattern, group: Group) -> bool:
+    """Check whether two neighbouring edges of different panels of a group are sewn to each other: beyond the seam at
+    which they are joined the panels do not lie side by side."""
+    sewn, around = find_sewn_partners(pattern), zip(group.sources, (*group.sources[1:], group.sources[0]), strict=True)
+    return any(one.panel != other.panel and sewn.get(one) == other for one, other in around)
 
 
 def _height(pattern: Pattern, ref: EdgeRef) -> float:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..creases import find_turned_panels, is_crease
+from ..grain import list_unknown_grains
 from ..meshing import points_in_polygon
 from ..orientation import place_points
 from ..outline import PLACKET_CONTOUR, is_vent_side
@@ -17,7 +18,7 @@ from .darts import dart_lines, find_darts, find_slits, fold_mouth
 from .flatten import flatten_edge, flatten_outline
 from .folding import fold_piece
 from .joining import Group, join_halves, turn_group
-from .marks import Mark, collect_marks, turn_marks
+from .marks import Mark, collect_marks, find_gathered_runs, turn_marks
 from .missing_parts import list_missing
 from .naming import name_pieces
 from .notches import place_notches
@@ -138,7 +139,8 @@ def _make_piece(
     mouths = {span: fold_mouth(group.net, span, _is_laid_back(pattern, group, span)) for span in darts}
     mouths |= {(first, last): group.net.points[[first, (last + 1) % len(edges)]] for first, last in slits}
     offset = offset_outline(group.net, edges, mouths)
-    cut, notches = place_notches(group.net, edges, [_edge_marks(marks, edge) for edge in edges], offset, wedges)
+    along = [_edge_marks(marks, edge) for edge in edges]
+    cut, notches = place_notches(group.net, edges, along, offset, wedges, _find_passed(pattern, group))
     lines, tips = dart_lines(group.net, wedges, [flatten_edge(group.net, i) for i in range(len(edges))])
     piece = Piece(
         name=name,
@@ -153,6 +155,7 @@ def _make_piece(
         darts=(*lines, *_crease_lines(pattern, group)),
         drills=tips,
         grain=_draw_grain(group.net),
+        is_grain_known=list_unknown_grains(pattern).isdisjoint(place.panel for place in group.places),
     )
     if settings.fold and isinstance(drawn, MirroredGroup) and drawn.is_symmetric:
         return fold_piece(piece, drawn) or piece
@@ -185,6 +188,13 @@ def _crease_lines(pattern: Pattern, group: Group) -> tuple[np.ndarray, ...]:
         place = places[ref.panel]
         lines.append(flatten_edge(pattern.panel(ref.panel), ref.edge) @ place.rotation.T + place.translation)
     return tuple(lines)
+
+
+def _find_passed(pattern: Pattern, group: Group) -> list[int]:
+    """Return the control points of a group at which one run of gathers goes on."""
+    runs = {ref: n for n, run in enumerate(find_gathered_runs(pattern)) for seam in run for ref in (seam.a, seam.b)}
+    found = [runs.get(ref, -1 - i) for i, ref in enumerate(group.sources)]
+    return [i for i, run in enumerate(found) if len(found) > 1 and run == found[i - 1]]
 
 
 def _find_inner_seams(pattern: Pattern, group: Group) -> dict[int, int]:

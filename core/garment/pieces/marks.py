@@ -3,9 +3,15 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from enum import StrEnum
 
-from ..pattern import EdgeRef, Pattern
+import numpy as np
+
+from ..curves import edge_length
+from ..outline import MIN_NOTCHED_SEAM_LENGTH
+from ..pattern import EdgeRef, Panel, Pattern, Seam
+from ..seams import find_sewn_partners, seam_lengths
 from .piece import NotchPurpose
 
 GATHER_PARTS = (0.25, 0.5, 0.75)
@@ -13,6 +19,18 @@ GATHER_PARTS = (0.25, 0.5, 0.75)
 
 NOTCH_FRACTION_TOLERANCE = 1e-6
 """Difference between the fractions of two notches [share of the edge's length] below which they are one."""
+
+
+MIN_FACING_COSINE = np.cos(np.radians(60.0))
+"""Smallest cosine between a panel's normal and the wearer's front or back at which it is on that side (60 degrees)."""
+
+
+class Side(StrEnum):
+    """List the sides of the wearer on which a panel can be."""
+
+    BACK = "back"
+    FRONT = "front"
+    BESIDE = "beside"
 
 
 @dataclass(frozen=True)
@@ -25,18 +43,22 @@ class Mark:
 
 
 def collect_marks(pattern: Pattern) -> dict[EdgeRef, tuple[Mark, ...]]:
-    """Return the notches of each edge that has some: those of either side of its seam, and those of gathers. Notches of
-    a seam of the back are double, which distinguishes back from front."""
+    """Return the notches of each edge that has some: those of either side of its seam, at half the length of a long
+    seam that has none, and those of gathers. Notches of a seam of the back are double, which distinguishes back from
+    front."""
     by_edge: dict[EdgeRef, list[float]] = {}
     for panel in pattern.panels:
         for edge, at in panel.notches:
             by_edge.setdefault(EdgeRef(panel.name, edge), []).append(float(at))
     marks = {ref: tuple(Mark(at, NotchPurpose.MATCH, 1) for at in ats) for ref, ats in by_edge.items()}
-    for seam in pattern.seams:
+    gathers = _find_gather_marks(pattern)
+    for seam, lengths in zip(pattern.seams, seam_lengths(pattern), strict=True):
         turned = [1.0 - at if seam.reversed else at for at in by_edge.get(seam.b, [])]
         found = [(at, NotchPurpose.MATCH) for at in (*by_edge.get(seam.a, []), *turned)]
         if seam.gathered:
-            found += [(at, NotchPurpose.GATHER) for at in GATHER_PARTS]
+            found += [(at, NotchPurpose.GATHER) for at in gathers.get(seam.a, [])]
+        elif not found and lengths.min() > MIN_NOTCHED_SEAM_LENGTH:
+            found.append((0.5, NotchPurpose.MATCH))
         count = 2 if _is_of_back(pattern, seam.a.panel, seam.b.panel) else 1
         kept: list[Mark] = []
         for at, purpose in found:
@@ -48,12 +70,65 @@ def collect_marks(pattern: Pattern) -> dict[EdgeRef, tuple[Mark, ...]]:
     return marks
 
 
+def find_gathered_runs(pattern: Pattern) -> tuple[tuple[Seam, ...], ...]:
+    """Return the gathered seams in runs, in order, side `a` of all on one panel and side `b` on another: those of
+    consecutive edges that are sewn to consecutive edges of one panel are one run that a file has cut."""
+    seams = [seam for seam in pattern.seams if seam.gathered]
+    ordered = [seam if seam.a.panel <= seam.b.panel else replace(seam, a=seam.b, b=seam.a) for seam in seams]
+    by_side, partners = {seam.a: seam for seam in ordered}, find_sewn_partners(pattern)
+    after = {}
+    for seam in ordered:
+        following = by_side.get(_step(pattern, partners, seam.a, 1))
+        if following is not None and following.b == _step(pattern, partners, seam.b, -1 if seam.reversed else 1):
+            after[seam] = following
+    runs, continued = [], set(after.values())
+    for seam in ordered:
+        if seam not in continued:
+            run = [seam]
+            while run[-1] in after:
+                run.append(after[run[-1]])
+            runs.append(tuple(run))
+    return tuple(runs)
+
+
+def _step(pattern: Pattern, partners: dict[EdgeRef, EdgeRef], ref: EdgeRef, by: int) -> EdgeRef:
+    """Return the edge after (by = 1) or before (-1) one of a panel, beyond a dart between."""
+    count = len(pattern.panel(ref.panel).edges)
+    beside, beyond = (EdgeRef(ref.panel, (ref.edge + k * by) % count) for k in (1, 2))
+    return EdgeRef(ref.panel, (ref.edge + 3 * by) % count) if partners.get(beside) == beyond else beside
+
+
+def _find_gather_marks(pattern: Pattern) -> dict[EdgeRef, list[float]]:
+    """Return the fractions of each edge's length at which a quarter of its gathered run ends."""
+    found: dict[EdgeRef, list[float]] = {}
+    for run in find_gathered_runs(pattern):
+        ends = np.cumsum([0.0, *(edge_length(pattern.panel(seam.a.panel), seam.a.edge) for seam in run)])
+        for at in ends[-1] * np.array(GATHER_PARTS):
+            k = min(int(np.searchsorted(ends, at, side="right")) - 1, len(run) - 1)
+            share = float((at - ends[k]) / (ends[k + 1] - ends[k]))
+            found.setdefault(run[k].a, []).append(share)
+            found.setdefault(run[k].b, []).append(1.0 - share if run[k].reversed else share)
+    return found
+
+
 def turn_marks(marks: tuple[Mark, ...]) -> tuple[Mark, ...]:
     """Return the marks of a reversed edge."""
     return tuple(Mark(1.0 - mark.at, mark.purpose, mark.count) for mark in marks[::-1])
 
 
 def _is_of_back(pattern: Pattern, *names: str) -> bool:
-    """Return whether some of a seam's panels are named as the back, and none as the front."""
-    words = [{*re.split(r"[\W_]+", name.lower())} for name in names]
-    return any("back" in one for one in words) and not any("front" in one for one in words)
+    """Check whether some of a seam's panels are behind the wearer, and none in front."""
+    sides = {_find_side(pattern.panel(name)) for name in names}
+    return Side.BACK in sides and Side.FRONT not in sides
+
+
+def _find_side(panel: Panel) -> Side:
+    """Return the side of the wearer on which a panel is: as its name says, else by the outward normal of its place."""
+    words = {*re.split(r"[\W_]+", panel.name.lower())}
+    for side in (Side.BACK, Side.FRONT):
+        if side in words:
+            return side
+    depth = float(panel.rotation[2, 2])
+    if abs(depth) < MIN_FACING_COSINE:
+        return Side.BESIDE
+    return Side.BACK if depth < 0.0 else Side.FRONT

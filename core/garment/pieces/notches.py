@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,9 +23,10 @@ BARE_DEPTH = 0.003
 DOUBLE_NOTCH_SPACING = 0.006
 """Distance of the two cuts of a double notch [m]."""
 
-MIN_NOTCH_SPACING = 0.008
-"""Smallest distance of a notch from another one, or from the end of its edge [m]. A nearer one is left out: the cloth
-between them would fray away."""
+MIN_NOTCH_SPACING = 0.015
+"""Smallest distance of a notch from another one, or from the end of its edge [m]: one and a half usual allowances. A
+nearer one is left out: the cloth between them would fray away, and nobody could tell them apart. The two cuts of a
+double notch count as one."""
 
 MAX_RUN_TURN_ANGLE = np.deg2rad(45.0)
 """Largest turn at which two sewn edges are one run, with a notch where they meet [rad]; a larger turn is a corner."""
@@ -52,6 +54,7 @@ def place_notches(
     marks: list[tuple[Mark, ...]],
     offset: Offset,
     darts: tuple[Span, ...],
+    passed: Collection[int] = (),
 ) -> tuple[CutLine, tuple[Notch, ...]]:
     """Return the cut line with a vertex at every notch, and the notches.
 
@@ -61,19 +64,19 @@ def place_notches(
         marks: The marks of each edge.
         offset: Its cut line, and where hems fold.
         darts: Its darts, and slits within it; each gets a notch at either end of its mouth.
+        passed: Control points within one run of gathers, which get no notch of their own.
     """
     count = len(edges)
     inner = {k % count for first, last in darts for k in range(first, last + 1)}
-    places = [
-        place for i in range(count) if i not in inner for place in (_vertex_notch(net, edges, i, inner),) if place
-    ]
+    places = _vertex_notches(net, edges, inner, passed)
     for first, last in darts:
         ends = ((first - 1) % count, 1.0), ((last + 1) % count, 0.0)
         purpose = NotchPurpose.DART if edges[first % count].use is EdgeUse.DART else NotchPurpose.SLIT
         places += [_place(net, edge, at, Mark(at, purpose, 1), 0.0) for edge, at in ends]
     for i in range(count):
         if i not in inner:
-            places += _edge_notches(net, i, marks[i])
+            ends = [end for end, k in ((0.0, i), (1.0, (i + 1) % count)) if k not in passed]
+            places += _edge_notches(net, i, marks[i], ends)
     cut, notches = offset.cut, []
     for place in places:
         cut, found = _project_on_cut_line(cut, place, edges[place.edge].width)
@@ -86,6 +89,18 @@ def place_notches(
         width = float(np.linalg.norm(corner - at))
         notches.append(Notch(edge, float(end), NotchPurpose.HEM, 1, corner, at, along, _depth(width)))
     return cut, tuple(notches)
+
+
+def _vertex_notches(net: Panel, edges: tuple[PieceEdge, ...], inner: set[int], passed: Collection[int]) -> list[_Place]:
+    """Return the notches at control points, without those that follow another one too closely."""
+    places, since = [], np.inf
+    for i in range(len(edges)):
+        place = None if i in inner or i in passed else _vertex_notch(net, edges, i, inner)
+        if place is not None and since >= MIN_NOTCH_SPACING:
+            places.append(place)
+            since = 0.0
+        since += edge_length(net, i)
+    return places
 
 
 def _vertex_notch(net: Panel, edges: tuple[PieceEdge, ...], i: int, inner: set[int]) -> _Place | None:
@@ -103,14 +118,17 @@ def _vertex_notch(net: Panel, edges: tuple[PieceEdge, ...], i: int, inner: set[i
     return _Place(before, 1.0, purpose, 1, net.points[i], inward)
 
 
-def _edge_notches(net: Panel, edge: int, marks: tuple[Mark, ...]) -> list[_Place]:
-    """Return the notches within an edge that are far enough from its ends and from each other."""
+def _edge_notches(net: Panel, edge: int, marks: tuple[Mark, ...], ends: list[float]) -> list[_Place]:
+    """Return the notches within an edge that are far enough from some of its ends and from each other."""
     length = edge_length(net, edge)
-    taken = [0.0, length]
+    taken = [end * length for end in ends]
     found = []
     for mark in marks:
         shifts = (-DOUBLE_NOTCH_SPACING / 2, DOUBLE_NOTCH_SPACING / 2) if mark.count == 2 else (0.0,)
-        if min(abs(mark.at * length - other) for other in taken) < MIN_NOTCH_SPACING + DOUBLE_NOTCH_SPACING / 2:
+        if (
+            min((abs(mark.at * length - other) for other in taken), default=np.inf)
+            < MIN_NOTCH_SPACING + DOUBLE_NOTCH_SPACING / 2
+        ):
             continue
         taken.append(mark.at * length)
         found += [_place(net, edge, mark.at, mark, shift) for shift in shifts]

@@ -145,6 +145,7 @@ class Piece:
         darts: Sew lines of darts within the cut line, and other lines that are marked, not cut [m], shape [n, 2] each.
         drills: Points that are marked within it, tips of darts [m], shape [n, 2].
         grain: Both ends of the line to be drawn along the warp [m], shape [2, 2].
+        is_grain_known: False where the line only stands for the panel's own +y.
     """
 
     name: str
@@ -159,6 +160,7 @@ class Piece:
     darts: tuple[np.ndarray, ...]
     drills: np.ndarray
     grain: np.ndarray
+    is_grain_known: bool = True
 
 
 @dataclass(frozen=True)

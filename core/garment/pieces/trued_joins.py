@@ -9,13 +9,12 @@ import numpy as np
 from ..creases import is_crease
 from ..curves import edge_length
 from ..fairness import MAX_SMOOTH_CORNER_ANGLE, MIN_DIRECTED_EDGE_LENGTH, SmoothJoin, boundary_edges, interior_angles
-from ..outline import PLACKET_CONTOUR, is_vent_side
+from ..outline import is_slit_side
+from ..panel_parts import find_part
 from ..pattern import EdgeRef, Pattern
+from ..seams import find_sewn_partners
 from .pairing import find_twins
 from .piece import EdgeUse
-
-PART_WORDS = ("sleeve", "arm", "cuff", "collar", "hood", "band", "wb", "skirt", "leg", "pant", "yoke", "body", "torso")
-"""Words of labels, or else of names, of panels that say which part of a garment they belong to."""
 
 LEVEL_CONTOURS = (EdgeUse.HEM, EdgeUse.LEG, EdgeUse.WAIST, EdgeUse.CUFF)
 """Open contours without a point at the middle of the wearer; a neckline may be a V there."""
@@ -34,8 +33,7 @@ def find_crossed_joins(pattern: Pattern) -> tuple[SmoothJoin, ...]:
 
     Where four panels of one part meet, nothing tells which line is straight. A neckline may have a point at the middle.
     """
-    sewn = {seam.a: seam.b for seam in pattern.seams} | {seam.b: seam.a for seam in pattern.seams}
-    twins, found = find_twins(pattern), []
+    sewn, twins, found = find_sewn_partners(pattern), find_twins(pattern), []
     for join in _list_seam_ends(pattern):
         first, last = boundary_edges(pattern, join)
         if any(edge_length(pattern.panel(ref.panel), ref.edge) < MIN_DIRECTED_EDGE_LENGTH for ref in (first, last)):
@@ -72,9 +70,7 @@ def _list_seam_ends(pattern: Pattern) -> Iterator[SmoothJoin]:
 def _is_one_contour(pattern: Pattern, first: EdgeRef, last: EdgeRef, is_at_middle: bool) -> bool:
     """Check whether two open edges are one line."""
     one, other = (pattern.panel(ref.panel).edges[ref.edge] for ref in (first, last))
-    if one.contour != other.contour or one.contour.startswith(PLACKET_CONTOUR):
-        return False
-    if is_vent_side(one) or is_vent_side(other):
+    if one.contour != other.contour or is_slit_side(one) or is_slit_side(other):
         return False
     return not is_at_middle or one.contour.split(".")[0] in LEVEL_CONTOURS
 
@@ -103,15 +99,6 @@ def _is_widest(pattern: Pattern, opposite: tuple[str, int], join: SmoothJoin) ->
 
 def _separates_parts(pattern: Pattern, join: SmoothJoin, others: tuple[EdgeRef, EdgeRef]) -> bool:
     """Check whether a join is within one part of the garment, and its line sewn to another part."""
-    own = {_find_part(pattern, name) for name, _ in join.corners}
-    other = {_find_part(pattern, ref.panel) for ref in others}
+    own = {find_part(pattern.panel(name)) for name, _ in join.corners}
+    other = {find_part(pattern.panel(ref.panel)) for ref in others}
     return len(own) == len(other) == 1 and own != other
-
-
-def _find_part(pattern: Pattern, name: str) -> str:
-    """Return the part of a garment that a panel belongs to; an empty text where neither label nor name says it."""
-    for text in (pattern.panel(name).label.lower(), name.lower()):
-        for word in PART_WORDS:
-            if word in text:
-                return word
-    return ""

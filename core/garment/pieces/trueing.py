@@ -21,8 +21,9 @@ from ..fairness import (
     measure_corner,
     unit_tangent,
 )
+from ..outline import is_slit_side
 from ..pattern import Edge, EdgeRef, Pattern
-from ..seams import seam_lengths, seam_ratios
+from ..seams import find_sewn_partners, seam_lengths, seam_ratios
 from .piece import TruedLine
 from .trued_joins import find_crossed_joins
 
@@ -41,7 +42,7 @@ MIN_TRUED_CORNER_ANGLE = np.radians(0.5)
 TRUED_ANGLE_TOLERANCE = np.radians(0.05)
 """Largest corner that is left after trueing [rad]: far below what can be cut."""
 
-TRUED_LENGTH_TOLERANCE = 1e-6
+TRUED_LENGTH_TOLERANCE = 1e-8
 """Largest change of the difference between a seam's sides by trueing [m]."""
 
 MIN_BENT_HANDLE_LENGTH = 0.01
@@ -172,7 +173,8 @@ class _Form:
     Attributes:
         handles: The first handle's index of each bent edge; the other one follows.
         corners: The corners that are made or kept.
-        seams: Both edges of each seam, the planned ratio of their lengths, and by how much they differ [m].
+        seams: Both edges of each seam, the planned ratio of their lengths, and by how much they differ [m]; of an edge
+            that keeps its length, itself, 0 and its length.
         root: The Cholesky factor of the weights of moves, shape [2 node_count, 2 node_count]: their square is the
             integral of the outlines' squared moves along all edges.
     """
@@ -202,7 +204,7 @@ class _Form:
         corners += [form._corner(join, measure_corner(pattern, join)) for join in kept]
         seams = zip(pattern.seams, seam_lengths(pattern), seam_ratios(pattern), strict=True)
         sides = tuple((seam.a, seam.b, ratio, one - ratio * other) for seam, (one, other), ratio in seams)
-        return replace(form, corners=tuple(corners), seams=sides, root=form._weigh())
+        return replace(form, corners=tuple(corners), seams=sides + _list_slit_sides(pattern), root=form._weigh())
 
     def _weigh(self) -> np.ndarray:
         """Return the Cholesky factor of the weights, of interleaved coordinates."""
@@ -336,6 +338,14 @@ def _as_drawn(edge: Edge, handles: np.ndarray) -> Edge:
     return replace(edge, kind="cubic", handles=handles)
 
 
+def _list_slit_sides(pattern: Pattern) -> tuple[tuple[EdgeRef, EdgeRef, float, float], ...]:
+    """Return the sides of vents and slits, which lie on each other and keep their lengths, as seams of a `_Form`."""
+    refs = [
+        EdgeRef(panel.name, i) for panel in pattern.panels for i, edge in enumerate(panel.edges) if is_slit_side(edge)
+    ]
+    return tuple((ref, ref, 0.0, edge_length(pattern.panel(ref.panel), ref.edge)) for ref in refs)
+
+
 def _can_be_bent(pattern: Pattern, ref: EdgeRef) -> bool:
     """Check whether an edge can be drawn as a cubic whose handles give its ends a direction."""
     start, end = (pattern.points[k] for k in pattern.ends_of(ref))
@@ -367,10 +377,8 @@ def _name_line(pattern: Pattern, join: SmoothJoin) -> str:
     """Return the name of the line that passes a join; of an unnamed seam, what it is sewn to."""
     first, _ = boundary_edges(pattern, join)
     edge = pattern.panel(first.panel).edges[first.edge]
-    others = [
-        ref.panel for seam in pattern.seams if first in (seam.a, seam.b) for ref in (seam.a, seam.b) if ref != first
-    ]
-    return (edge.contour or edge.label).split(".")[0] or (f"seam to {others[0]}" if others else "open edge")
+    other = find_sewn_partners(pattern).get(first)
+    return (edge.contour or edge.label).split(".")[0] or ("open edge" if other is None else f"seam to {other.panel}")
 
 
 def _name_seam(pattern: Pattern, join: SmoothJoin) -> str:
