@@ -8,22 +8,14 @@ from dataclasses import replace
 import numpy as np
 
 from .curves import edge_length
-from .orientation import place_points
-from .panel_parts import find_part
+from .panel_parts import ARM_PARTS, find_arm_panels, find_part
 from .pattern import EdgeRef, Panel, Pattern
 from .seams import find_sewn_partners
 
 GRAIN_UNKNOWN_KEY = "grain_unknown"
 """Key in `Pattern.extra` of the names of the panels whose grainline nobody knows."""
 
-ARM_PARTS = ("sleeve", "arm", "cuff")
-"""Parts of a garment on the arms."""
-
-MIDDLE_REACH = 0.03
-"""Distance of a panel from the wearer's middle up to which it belongs to trunk or legs [m]: panels are placed at the
-middle to within the play of a seam."""
-
-MIN_UPRIGHT_COSINE = np.cos(np.radians(45.0))
+MIN_UPRIGHT_PANEL_COSINE = np.cos(np.radians(45.0))
 """Smallest cosine between a panel's plane and the vertical at which its warp is upright (45 degrees); a panel that lies
 flatter, such as the crown of a hood, does not show its warp by its place."""
 
@@ -40,7 +32,7 @@ def place_grains(pattern: Pattern, known: Collection[str] = ()) -> Pattern:
         pattern: The pattern, its panels placed on the body.
         known: Names of panels whose grainline is given and stays.
     """
-    arms = _find_arm_depths(pattern)
+    arms = find_arm_panels(pattern)
     panels, unknown = [], []
     for panel in pattern.panels:
         up = None if panel.name in known else _find_warp(pattern, panel, arms)
@@ -73,39 +65,13 @@ def _find_warp(pattern: Pattern, panel: Panel, arms: dict[str, int]) -> np.ndarr
         if along is not None or find_part(panel) in ARM_PARTS:
             return along
     up = (panel.rotation.T @ [0.0, 1.0, 0.0])[:2]
-    return up if np.linalg.norm(up) > MIN_UPRIGHT_COSINE else None
+    return up if np.linalg.norm(up) > MIN_UPRIGHT_PANEL_COSINE else None
 
 
 def _is_placed(pattern: Pattern) -> bool:
     """Check whether a file places its panels: several panels in one place are none that a body could wear."""
     places = [np.concatenate([panel.translation, panel.rotation.ravel()]) for panel in pattern.panels]
     return len(places) > 1 and bool(np.ptp(places, axis=0).max() > 1e-6)
-
-
-def _find_arm_depths(pattern: Pattern) -> dict[str, int]:
-    """Return the panels on the arms, each with its number of seams from the trunk: those that are called so, and those
-    that lie beside the trunk, as far from the middle as its panels are wide."""
-    spans = {panel.name: place_points(panel, panel.points)[:, 0] for panel in pattern.panels}
-    x = np.concatenate(list(spans.values()))
-    middle = (x.min() + x.max()) / 2.0
-    at_middle = {
-        name for name, own in spans.items() if own.min() - middle < MIDDLE_REACH and own.max() - middle > -MIDDLE_REACH
-    }
-    half = max((float(np.abs(spans[name] - middle).max()) for name in at_middle), default=np.inf)
-    arms = {
-        panel.name
-        for panel in pattern.panels
-        if find_part(panel) in ARM_PARTS
-        or (not find_part(panel) and panel.name not in at_middle and abs(spans[panel.name].mean() - middle) > half)
-    }
-    depths, reached, depth = {}, set(spans) - arms, 0
-    while reached:
-        depth += 1
-        sides = [(seam.a.panel, seam.b.panel) for seam in pattern.seams]
-        links = {one for pair in sides for one, other in (pair, pair[::-1]) if other in reached}
-        reached = {name for name in links & arms if name not in depths}
-        depths |= dict.fromkeys(reached, depth)
-    return depths
 
 
 def _find_arm_direction(pattern: Pattern, panel: Panel, arms: dict[str, int]) -> np.ndarray | None:

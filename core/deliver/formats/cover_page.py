@@ -8,7 +8,7 @@ from ...garment.meshing import points_in_polygon
 from ...garment.pieces.layout import lay_on_cloth
 from ...garment.pieces.piece import EdgeUse, PieceSet
 from ...garment.pieces.trueing import describe_trueing
-from .drawing import describe_cutting, keep_ascii
+from .drawing import describe_cutting, keep_latin
 from .pdf_file import show_text
 from .sheet import Sheet
 from .tiling import Tile, Tiling
@@ -31,7 +31,7 @@ def cover_content(sheet: Sheet, tiling: Tiling) -> str:
     """Return the operators of the cover of a tiling."""
     paper, pieces = tiling.paper, sheet.pieces
     left, top = 12.0, paper.height - 18.0
-    parts = ["0 G 0 g\n", show_text(left, top, 7.0, keep_ascii(pieces.name), True)]
+    parts = ["0 G 0 g\n", show_text(left, top, 7.0, keep_latin(pieces.name), True)]
     lines = [
         *_heading_lines(pieces),
         f"{len(tiling.tiles)} sheets of {paper.name.upper()}; print at 100 %, then measure:",
@@ -58,7 +58,7 @@ def legend_content(sheet: Sheet, x: float, y: float, width: float) -> str:
     """Return the operators of the strip below the pieces of a roll, its lower left corner at (x, y) [mm]."""
     pieces = sheet.pieces
     lines = [*_heading_lines(pieces), *_list_pieces(pieces, {}), *list_notes(pieces)]
-    parts = ["0 G 0 g\n", _squares(x, y + 8.0), show_text(x + 125.0, y + 68.0, 6.0, keep_ascii(pieces.name), True)]
+    parts = ["0 G 0 g\n", _squares(x, y + 8.0), show_text(x + 125.0, y + 68.0, 6.0, keep_latin(pieces.name), True)]
     most, column = int(60.0 / COVER_LINE_HEIGHT_MM), 110.0
     room = max(1, int((width - 125.0) / column))
     for n in range(min(room, -(-len(lines) // most))):
@@ -69,7 +69,7 @@ def legend_content(sheet: Sheet, x: float, y: float, width: float) -> str:
 def _heading_lines(pieces: PieceSet) -> list[str]:
     lay = lay_on_cloth(pieces.pieces)
     cloth = f"about {lay.length:.2f} m" if np.isfinite(lay.length) else "wider than the cloth"
-    lines = [f"size: {keep_ascii(pieces.size)} cm" if pieces.size else "", keep_ascii(pieces.fabric)]
+    lines = [f"size: {keep_latin(pieces.size)} cm" if pieces.size else "", keep_latin(pieces.fabric)]
     count = sum(piece.quantity for piece in pieces.pieces)
     return [*filter(None, lines), f"{count} pieces of cloth; {cloth} at {100 * lay.width:.0f} cm"]
 
@@ -154,7 +154,7 @@ def list_steps(pieces: PieceSet) -> list[str]:
         long = f"{100 * lengths[0]:.1f} cm"
         if first.gathered:
             long = f"{100 * max(lengths):.1f} gathered to {100 * min(lengths):.1f} cm"
-        lines.append(f"{step} {keep_ascii(names)}, {long}" + (f", {len(seams)} x" if len(seams) > 1 else ""))
+        lines.append(f"{step} {keep_latin(names)}, {long}" + (f", {len(seams)} x" if len(seams) > 1 else ""))
     return lines
 
 

@@ -51,7 +51,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Text:
-    """Describe one line of ASCII text: the middle of its base line [m], shape [2], and its size, the letters' body
+    """Describe one line of text: the middle of its base line [m], shape [2], and its size, the letters' body
     height [m]. The name of a piece is bold."""
 
     text: str
@@ -119,10 +119,10 @@ def list_texts(pieces: PieceSet, number: int) -> list[str]:
         piece.name,
         describe_cutting(piece),
         "" if piece.is_grain_known else GRAIN_UNKNOWN_TEXT,
-        f"{number + 1}/{len(pieces.pieces)} {keep_ascii(pieces.name)}",
+        f"{number + 1}/{len(pieces.pieces)} {keep_latin(pieces.name)}",
         describe_allowance(piece),
-        keep_ascii(pieces.size),
-        keep_ascii(pieces.fabric),
+        keep_latin(pieces.size),
+        keep_latin(pieces.fabric),
     ]
     return [line for line in lines if line.strip()]
 
@@ -176,3 +176,9 @@ def _is_free(piece: Piece, outline: np.ndarray, centre: np.ndarray, half: np.nda
 def keep_ascii(text: str) -> str:
     """Return a user's text on one line in ASCII, at most 60 letters; others become `?`."""
     return "".join(letter if " " <= letter <= "~" else "?" for letter in text)[:60]
+
+
+def keep_latin(text: str) -> str:
+    """Return a user's text on one line in letters of Windows-1252, those of a PDF, at most 60; others become `?`."""
+    plain = text.encode("cp1252", "replace").decode("cp1252", "replace")
+    return "".join(letter if letter.isprintable() else "?" for letter in plain)[:60]

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...garment.pieces.piece import Piece, PieceSet
 from ...garment.svg_path import edge_path
-from .drawing import Layer, Line, Text, keep_ascii
+from .drawing import Layer, Line, Text, keep_latin
 from .sheet import Sheet, arrange_pieces
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def pieces_svg(pieces: PieceSet) -> str:
     spaces = 'xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape"'
     return (
         f'<?xml version="1.0" encoding="UTF-8"?>\n<svg {spaces} {size}>\n'
-        f"<title>{escape(keep_ascii(pieces.name))}</title>\n<style>{STYLE}</style>\n{layers}\n</svg>\n"
+        f"<title>{escape(keep_latin(pieces.name))}</title>\n<style>{STYLE}</style>\n{layers}\n</svg>\n"
     )
 
 
@@ -61,8 +61,15 @@ def _layer(sheet: Sheet, layer: Layer, height: float) -> str:
         else:
             parts = [_path(line, height) for line in sheet.lines[n] if line.layer == layer]
         if parts:
+            parts = [f"<title>{_describe_panels(piece)}</title>", *parts] if layer == Layer.CUT else parts
             groups.append(f'<g id="{layer}.{piece.name}">\n' + "\n".join(parts) + "\n</g>")
     return f'<g id="{layer}" inkscape:groupmode="layer" inkscape:label="{layer}">\n' + "\n".join(groups) + "\n</g>"
+
+
+def _describe_panels(piece: Piece) -> str:
+    """Return the names of a piece's panels as their author wrote them, in any script."""
+    names = ", ".join(place.panel for place in piece.places)
+    return escape("".join(letter if letter.isprintable() else "?" for letter in names))
 
 
 def _page(points: np.ndarray, height: float) -> np.ndarray:

@@ -13,7 +13,7 @@ from ...garment.pieces.make import make_pieces
 from ...garment.pieces.piece import Piece, PieceSet
 from ...garment.pieces.shelf_packing import pack_on_shelves
 from .dialects import DIALECTS_BY_NAME
-from .drawing import draw_lines, keep_ascii, list_texts, place_texts
+from .drawing import draw_lines, keep_latin, list_texts, place_texts
 from .dxf import Block, Rules, dxf_text, rule_text, write_archive
 from .grading import Size, grade_sizes
 from .papers import PLOTTER_ROLL_WIDTH_MM, find_paper
@@ -136,7 +136,7 @@ def nest_pdf(sizes: list[Size], pieces: list[PieceSet], width: float) -> bytes:
         for text in place_texts(piece, list_texts(pieces[base], n)):
             x, y = 1e3 * text.centre + shifts[n]
             parts.append(show_text(x - 5e2 * text.width, y, 1e3 * text.size, text.text, text.is_bold))
-    parts.append(show_text(NEST_PAGE_MARGIN_MM, legend, 6.0, f"{keep_ascii(pieces[base].name)}: sizes", True))
+    parts.append(show_text(NEST_PAGE_MARGIN_MM, legend, 6.0, f"{keep_latin(pieces[base].name)}: sizes", True))
     if not all(size.is_drafted for size in sizes):
         parts.append(show_text(NEST_PAGE_MARGIN_MM + 90.0, legend, 4.0, SCALED_SIZES_WARNING))
     for k, size in enumerate(sizes):

@@ -66,9 +66,10 @@ def _font(name: str) -> bytes:
 
 
 def _string(text: str) -> str:
-    """Return a PDF string of ASCII letters; others become `?`."""
-    plain = "".join(letter if " " <= letter <= "~" else "?" for letter in text)
-    return "(" + plain.replace("\\", r"\\").replace("(", r"\(").replace(")", r"\)") + ")"
+    """Return a PDF string of Windows-1252 letters, those beyond ASCII as octal codes; others become `?`."""
+    plain = "".join(letter if letter.isprintable() else "?" for letter in text).encode("cp1252", "replace")
+    escaped = plain.replace(b"\\", rb"\\").replace(b"(", rb"\(").replace(b")", rb"\)")
+    return "(" + "".join(chr(code) if code < 127 else f"\\{code:03o}" for code in escaped) + ")"
 
 
 def _stream(content: str, more: str = "") -> bytes:

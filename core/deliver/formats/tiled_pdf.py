@@ -10,7 +10,7 @@ import numpy as np
 from ...garment.meshing import points_in_polygon
 from ...garment.pieces.piece import PieceSet
 from .cover_page import cover_content, legend_content
-from .drawing import Layer, keep_ascii
+from .drawing import Layer, keep_latin
 from .papers import Paper, find_paper
 from .pdf_file import Page, pdf_bytes, show_text
 from .sheet import Sheet, arrange_pieces, min_sheet_width, pack_pieces
@@ -51,7 +51,7 @@ def write(production: Production, folder: Path) -> list[Path]:
 
 def pieces_pdf(pieces: PieceSet, paper: Paper) -> bytes:
     """Return the PDF file of a garment's pieces."""
-    title = keep_ascii(pieces.name)
+    title = keep_latin(pieces.name)
     if paper.is_roll:
         sheet = arrange_pieces(pieces, (paper.width - 2 * TILE_MARGIN_MM) / 1e3)
         return pdf_bytes([roll_page(sheet, paper.width)], title, draw_sheet(sheet))
@@ -133,7 +133,7 @@ def _page(sheet: Sheet, tiling: Tiling, number: int) -> Page:
         "Q\n",
         f"0.6 G 0.15 w [] 0 d {TILE_MARGIN_MM:.3f} {TILE_MARGIN_MM:.3f} {wide:.3f} {tall:.3f} re S 0 G\n",
         show_text(TILE_MARGIN_MM, 4.5, 3.5, f"{tile.name}   sheet {number + 1} of {len(tiling.tiles)}", True),
-        show_text(TILE_MARGIN_MM + 45.0, 4.5, 3.0, f"{keep_ascii(sheet.pieces.name)}, print at 100 %, no fit to page"),
+        show_text(TILE_MARGIN_MM + 45.0, 4.5, 3.0, f"{keep_latin(sheet.pieces.name)}, print at 100 %, no fit to page"),
     ]
     return Page(tiling.paper.width, tiling.paper.height, "".join(parts))
 

@@ -10,6 +10,7 @@ from ...geometry.rigid import plane_rotation
 from ..creases import is_crease
 from ..errors import PanelCrossing, PanelDegenerate
 from ..orientation import place_points
+from ..panel_parts import find_arm_panels
 from ..pattern import EdgeRef, Panel, Pattern, Seam
 from ..seams import find_sewn_partners
 from ..validity import check_outline
@@ -18,7 +19,7 @@ from .piece import PanelPlace
 
 HALF_PANEL_WORDS = ("sleeve", "cuff", "band", "wb", "collar")
 """Parts of names and labels of panels that are halves of one piece, in the library and in published datasets. A body's
-front and back share straight seams too, and are never one piece."""
+front and back share straight seams too, and are never one piece; panels on an arm are halves by any name."""
 
 HALF_JOIN_TOLERANCE = 1e-4
 """Largest difference between the lengths of a seam's sides along which halves are joined [m]: the accuracy of
@@ -75,6 +76,8 @@ def _is_within_piece(pattern: Pattern, seam: Seam) -> bool:
 
 def _is_half(pattern: Pattern, ref: EdgeRef) -> bool:
     panel = pattern.panel(ref.panel)
+    if panel.name in find_arm_panels(pattern):
+        return True
     words = f"{panel.name} {panel.label}".lower()
     return any(word in words for word in HALF_PANEL_WORDS)
 

@@ -11,6 +11,7 @@ from ..grain import list_unknown_grains
 from ..meshing import points_in_polygon
 from ..orientation import place_points
 from ..outline import PLACKET_CONTOUR, is_vent_side
+from ..panel_parts import find_arm_panels
 from ..pattern import EdgeRef, Panel, Pattern
 from .allowance import Allowances
 from .closure import find_closure
@@ -90,7 +91,8 @@ def make_pieces(
     ]
     marks = collect_marks(pattern)
     pieces = tuple(
-        _make_piece(pattern, one, name, settings, marks) for one, name in zip(drawn, name_pieces(members), strict=True)
+        _make_piece(pattern, one, name, settings, marks)
+        for one, name in zip(drawn, name_pieces(pattern, members), strict=True)
     )
     return PieceSet(
         style.name or pattern.name,
@@ -109,7 +111,8 @@ def _group(drawn: Group | MirroredGroup) -> Group:
 
 def _rank(pattern: Pattern, group: Group) -> tuple[int, str]:
     names = [place.panel for place in group.places]
-    words = f"{group.net.label} {' '.join(names)}".lower()
+    arm = "sleeve" if names[0] in find_arm_panels(pattern) else ""
+    words = f"{group.net.label} {' '.join(names)} {arm}".lower()
     by_label = next((i for i, word in enumerate(PIECE_ORDER) if word in words), len(PIECE_ORDER))
     sleeve = any(word in words for word in PIECE_ORDER[5:])
     return (len(PIECE_ORDER) + by_label if sleeve else by_label, " ".join(("0" if "front" in words else "1", *names)))

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, replace
-from enum import StrEnum
 
 import numpy as np
 
 from ..curves import edge_length
 from ..outline import MIN_NOTCHED_SEAM_LENGTH
-from ..pattern import EdgeRef, Panel, Pattern, Seam
+from ..panel_parts import Side, find_side
+from ..pattern import EdgeRef, Pattern, Seam
 from ..seams import find_sewn_partners, seam_lengths
 from .piece import NotchPurpose
 
@@ -19,18 +18,6 @@ GATHER_PARTS = (0.25, 0.5, 0.75)
 
 NOTCH_FRACTION_TOLERANCE = 1e-6
 """Difference between the fractions of two notches [share of the edge's length] below which they are one."""
-
-
-MIN_FACING_COSINE = np.cos(np.radians(60.0))
-"""Smallest cosine between a panel's normal and the wearer's front or back at which it is on that side (60 degrees)."""
-
-
-class Side(StrEnum):
-    """List the sides of the wearer on which a panel can be."""
-
-    BACK = "back"
-    FRONT = "front"
-    BESIDE = "beside"
 
 
 @dataclass(frozen=True)
@@ -118,17 +105,5 @@ def turn_marks(marks: tuple[Mark, ...]) -> tuple[Mark, ...]:
 
 def _is_of_back(pattern: Pattern, *names: str) -> bool:
     """Check whether some of a seam's panels are behind the wearer, and none in front."""
-    sides = {_find_side(pattern.panel(name)) for name in names}
+    sides = {find_side(pattern.panel(name)) for name in names}
     return Side.BACK in sides and Side.FRONT not in sides
-
-
-def _find_side(panel: Panel) -> Side:
-    """Return the side of the wearer on which a panel is: as its name says, else by the outward normal of its place."""
-    words = {*re.split(r"[\W_]+", panel.name.lower())}
-    for side in (Side.BACK, Side.FRONT):
-        if side in words:
-            return side
-    depth = float(panel.rotation[2, 2])
-    if abs(depth) < MIN_FACING_COSINE:
-        return Side.BESIDE
-    return Side.BACK if depth < 0.0 else Side.FRONT

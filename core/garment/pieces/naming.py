@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 import unicodedata
 
+from ..panel_parts import find_arm_panels, find_side
+from ..pattern import Pattern
 from .joining import HALF_PANEL_WORDS
 
 MAX_PIECE_NAME_LENGTH = 20
@@ -13,21 +15,33 @@ MAX_PIECE_NAME_LENGTH = 20
 SIDES = ("left", "right", "l", "r")
 
 
-def name_pieces(members: list[tuple[tuple[str, ...], bool]]) -> list[str]:
-    """Return a unique name of each piece: upper case letters, digits, `_` and `-`, at most 20.
+def name_pieces(pattern: Pattern, members: list[tuple[tuple[str, ...], bool]]) -> list[str]:
+    """Return a unique name of each piece: upper case letters, digits, `_` and `-`, at most 20. Where the panels' names
+    have no Latin letters, or say no more than the side, a piece is called by its place on the wearer.
 
     Args:
+        pattern: The pattern.
         members: The names of the panels in each piece, and whether it is for both sides of the wearer.
     """
     names: list[str] = []
     for panels, both in members:
-        base = _to_ascii_name(_common(panels, both))[:MAX_PIECE_NAME_LENGTH] or "PIECE"
+        base = _to_ascii_name(_common(panels, both))[:MAX_PIECE_NAME_LENGTH]
+        if not re.search("[A-Z]", base) or (both and base.lower() in SIDES):
+            base = _describe_place(pattern, panels)
         name, number = base, 2
         while name in names:
             tail = f"_{number}"
             name, number = base[: MAX_PIECE_NAME_LENGTH - len(tail)] + tail, number + 1
         names.append(name)
     return names
+
+
+def _describe_place(pattern: Pattern, panels: tuple[str, ...]) -> str:
+    """Return a name of panels by their place: a sleeve, or a cuff beyond it; else the wearer's front, back or side."""
+    depth = min(find_arm_panels(pattern).get(name, 0) for name in panels)
+    if depth:
+        return "SLEEVE" if depth == 1 else "CUFF"
+    return "_".join(dict.fromkeys(find_side(pattern.panel(name)).upper() for name in panels))
 
 
 def _common(panels: tuple[str, ...], both: bool) -> str:

@@ -75,8 +75,8 @@ def place_notches(
         places += [_place(net, edge, at, Mark(at, purpose, 1), 0.0) for edge, at in ends]
     for i in range(count):
         if i not in inner:
-            ends = [end for end, k in ((0.0, i), (1.0, (i + 1) % count)) if k not in passed]
-            places += _edge_notches(net, i, marks[i], ends)
+            kept = [end for end, k in ((0.0, i), (1.0, (i + 1) % count)) if k not in passed]
+            places += _edge_notches(net, i, marks[i], kept)
     cut, notches = offset.cut, []
     for place in places:
         cut, found = _project_on_cut_line(cut, place, edges[place.edge].width)

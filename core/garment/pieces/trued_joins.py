@@ -10,7 +10,7 @@ from ..creases import is_crease
 from ..curves import edge_length
 from ..fairness import MAX_SMOOTH_CORNER_ANGLE, MIN_DIRECTED_EDGE_LENGTH, SmoothJoin, boundary_edges, interior_angles
 from ..outline import is_slit_side
-from ..panel_parts import find_part
+from ..panel_parts import find_arm_panels, find_part
 from ..pattern import EdgeRef, Pattern
 from ..seams import find_sewn_partners
 from .pairing import find_twins
@@ -99,6 +99,11 @@ def _is_widest(pattern: Pattern, opposite: tuple[str, int], join: SmoothJoin) ->
 
 def _separates_parts(pattern: Pattern, join: SmoothJoin, others: tuple[EdgeRef, EdgeRef]) -> bool:
     """Check whether a join is within one part of the garment, and its line sewn to another part."""
-    own = {find_part(pattern.panel(name)) for name, _ in join.corners}
-    other = {find_part(pattern.panel(ref.panel)) for ref in others}
+    own = {_find_part(pattern, name) for name, _ in join.corners}
+    other = {_find_part(pattern, ref.panel) for ref in others}
     return len(own) == len(other) == 1 and own != other
+
+
+def _find_part(pattern: Pattern, name: str) -> str:
+    """Return the part of a garment that a panel belongs to, by words or as it lies on an arm."""
+    return find_part(pattern.panel(name)) or ("sleeve" if name in find_arm_panels(pattern) else "")
