@@ -8,6 +8,7 @@ from garmentq.core.deliver.formats.drawing import GRAIN_UNKNOWN_TEXT, list_texts
 from garmentq.core.deliver.formats.layered_svg import pieces_svg
 from garmentq.core.deliver.formats.pdf_file import show_text
 from garmentq.core.garment.contour_edges import name_open_edges
+from garmentq.core.garment.editing.edge_division import divide
 from garmentq.core.garment.garmentcode import read_pattern
 from garmentq.core.garment.garmentcode_writer import write_pattern
 from garmentq.core.garment.grain import list_unknown_grains
@@ -142,3 +143,20 @@ def test_sheets_write_umlauts():
     """Broken where a PDF shows `?` for letters that its fonts have, or control codes reach it."""
     assert r"(\304rmel gr\366\337e \(1\) ?)" in show_text(0.0, 0.0, 3.0, "Ärmel größe (1) 袖")
     assert r"(?)" in show_text(0.0, 0.0, 3.0, "\n")
+
+
+def test_left_and_right_are_one_piece_however_their_edges_are_cut():
+    """Broken where a file that divides one side's seams draws left and right, or its seams then differ by 1 mm."""
+    pattern = load_template("four_panel_skirt")
+    side = next(i for i, edge in enumerate(pattern.panel("front_left").edges) if edge.label.startswith("side.0"))
+    cut = divide(pattern, {EdgeRef("front_left", side): 0.4})
+    assert [len(cut.panel(f"front_{side}").edges) for side in ("left", "right")] == [8, 7]
+    made = make_pieces(cut)
+    assert [(piece.name, piece.quantity, piece.pair) for piece in made.pieces] == [
+        ("FRONT", 2, True),
+        ("BACK", 2, True),
+    ]
+    assert {place.panel for piece in made.pieces for place in piece.places} == {panel.name for panel in cut.panels}
+    assert all(abs(seam.lengths[0] - seam.lengths[1]) < 1e-3 for seam in made.seams)
+    wide = cut.panel("front_left").points * [1.01, 1.0]
+    assert len(make_pieces(cut.with_points({"front_left": wide})).pieces) > 2

@@ -82,9 +82,9 @@ def make_pieces(
     """
     settings, style = settings or PieceSettings(), style or Style()
     trueing = true_pattern(pattern, point_std) if settings.is_trued else Trueing(pattern)
+    drafted, groups = (tuple(map(turn_group, join_halves(one))) for one in (pattern, trueing.pattern))
     pattern = trueing.pattern
-    groups = tuple(turn_group(group) for group in join_halves(pattern))
-    drawn = sorted(pair_groups(pattern, groups), key=lambda one: _rank(pattern, _group(one)))
+    drawn = sorted(pair_groups(pattern, groups, drafted), key=lambda one: _rank(pattern, _group(one)))
     both = [isinstance(one, MirroredGroup) and not one.is_symmetric for one in drawn]
     members = [
         (tuple(place.panel for place in _group(one).places), pair) for one, pair in zip(drawn, both, strict=True)
