@@ -123,15 +123,15 @@ def _match_mirrored_group(group: Group, other: Group, mirrors: tuple[EdgeRef, ..
 
 def _is_mirrored(pattern: Pattern, group: Group, other: Group, before: dict[str, Group]) -> bool:
     """Check whether two groups are on both sides of the wearer and have one outline, cut into edges in two ways."""
-    drafts = [before.get(one.places[0].panel) for one in (group, other)]
-    if not all(drafts) or len(group.places) != len(other.places):
+    draft, other_draft = (before.get(one.places[0].panel) for one in (group, other))
+    if draft is None or other_draft is None or len(group.places) != len(other.places):
         return False
     x = np.concatenate([place_points(panel, panel.points)[:, 0] for panel in pattern.panels])
     image = _place_middle(pattern, other) * [-1.0, 1.0, 1.0] + [x.min() + x.max(), 0.0, 0.0]
     size = float(np.linalg.norm(np.ptp(group.net.points, axis=0)))
     if np.linalg.norm(_place_middle(pattern, group) - image) > PLACE_TOLERANCE * size:
         return False
-    return _misfit(*drafts) < PIECE_MIRROR_TOLERANCE and _misfit(group, other) < TRUED_MIRROR_TOLERANCE
+    return _misfit(draft, other_draft) < PIECE_MIRROR_TOLERANCE and _misfit(group, other) < TRUED_MIRROR_TOLERANCE
 
 
 def _place_middle(pattern: Pattern, group: Group) -> np.ndarray:
