@@ -21,7 +21,7 @@ def settings(text="", fold=False):
 
 @pytest.mark.parametrize("name", TEMPLATES + SLIT_CUTS)
 def test_unfolded_pieces_are_the_panels(name):
-    """Broken where joining, pairing or folding moves an edge: each panel comes back out of the pieces to 0.02 mm."""
+    """Broken where joining, pairing or folding moves an edge: each panel comes back out of the pieces to 0.05 mm."""
     pattern = true_pattern(load_template(name)).pattern
     for fold in (False, True):
         pieces = pieces_of(name, fold=fold).pieces
@@ -42,7 +42,7 @@ def test_unfolded_pieces_are_the_panels(name):
                     whole = edge_points(pattern.panel(ref.panel), ref.edge, 64)
                     expected = whole[[round(64 * at) for at in (start, (start + end) / 2, end)]]
                     moved = expected @ places[ref.panel].rotation.T + places[ref.panel].translation
-                    assert np.abs(moved - found).max() < 2e-5
+                    assert np.abs(moved - found).max() < 5e-5
                     seen.add(ref)
         edges = {EdgeRef(panel.name, i) for panel in pattern.panels for i in range(len(panel.edges))}
         assert edges - seen == joined(pattern, pieces)
