@@ -93,13 +93,15 @@ def place_notches(
 
 def _vertex_notches(net: Panel, edges: tuple[PieceEdge, ...], inner: set[int], passed: Collection[int]) -> list[_Place]:
     """Return the notches at control points, without those that follow another one too closely."""
-    places, since = [], np.inf
+    places: list[_Place] = []
+    starts = np.cumsum([0.0, *(edge_length(net, i) for i in range(len(edges)))])
+    kept: list[float] = []
     for i in range(len(edges)):
         place = None if i in inner or i in passed else _vertex_notch(net, edges, i, inner)
-        if place is not None and since >= MIN_NOTCH_SPACING:
+        around = [abs(starts[i] - other) for other in kept]
+        if place is not None and all(min(gap, starts[-1] - gap) >= MIN_NOTCH_SPACING for gap in around):
             places.append(place)
-            since = 0.0
-        since += edge_length(net, i)
+            kept.append(starts[i])
     return places
 
 
