@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import igl
@@ -16,7 +17,7 @@ from ..core.geometry.geometry import vertex_normals
 from ..core.people.part import Part
 from .base_mesh import surface_values
 from .build_accessories import ASSET, STEP
-from .cloth import Mesh, clip, even_out, refine, thicken, wave_field
+from .cloth import Mesh, clip, even_out, refine, thicken, tuck_under, wave_field
 from .wardrobe import Layer
 from .wearer import size_of
 
@@ -50,7 +51,7 @@ def draw_accessories(template: Template, body: Body, cloth: list[Layer], rng: np
     Args:
         template: The built-in body, around whose mean the assets lie.
         body: The wearer in the pose.
-        cloth: The garments, which bags and scarves lie on.
+        cloth: The garments, which bags and scarves lie on, and whose hoods hair is below and hats are not worn with.
         rng: The generator.
     """
     layers = []
@@ -64,6 +65,9 @@ def draw_accessories(template: Template, body: Body, cloth: list[Layer], rng: np
         layers.append(Layer(Part.HAIR, hair_shell(body, rng)))
         if rng.random() < 0.25:
             layers.append(Layer(Part.HAIR, tied_hair(body, rng)))
+    hoods = [garment for garment in cloth if garment.is_on_head]
+    for hood in hoods:
+        layers = [replace(hair, mesh=tuck_under(hair.mesh, hood.mesh)) for hair in layers]
     if rng.random() < SOCKS:
         layers.append(Layer(Part.SHOES, sock_shell(body, rng)))
     drawn = rng.random()
@@ -72,7 +76,7 @@ def draw_accessories(template: Template, body: Body, cloth: list[Layer], rng: np
         layers.append(Layer(Part.SHOES, worn_asset(template, body, chosen, bulk)))
     elif drawn < 0.78:
         layers.append(Layer(Part.SHOES, shoe_shell(body, rng)))
-    drawn = rng.random()
+    drawn = 1.0 if hoods else rng.random()
     if drawn < 0.05:
         hat = str(rng.choice(["hat.fedora", "hat.fedora_cocked"]))
         layers.append(Layer(Part.OTHER, worn_asset(template, body, assets[hat], 1.05)))

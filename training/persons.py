@@ -28,24 +28,27 @@ from .shells import Shell, draw_leggings, draw_tight_suit, draw_tight_top, draw_
 from .wardrobe import Layer, Piece, cover, draw_outfit, grid_of, put_on, take_pose
 from .wearer import at_rest, draw_pose, draw_wearer, stand
 
-REVISION = 2
+REVISION = 3
 """Counts up where the same seed gives other persons."""
 
 
-def simulate(seed: int, scans: int, held_out: bool = False) -> Iterator[Shard]:
+def simulate(seed: int, scans: int, held_out: bool = False, finished: bool = False) -> Iterator[Shard]:
     """Yield the scans of one person.
 
     Args:
         seed: The person.
         scans: How many times he is scanned, each in a pose of its own.
         held_out: Dress him in designs that are kept for measuring.
+        finished: Yield nothing where no garment has a collar, a hood or a front of its own.
     """
     rng = np.random.default_rng([REVISION, seed])
     gender, template, shape = draw_wearer(load_template(), rng)
     rest = at_rest(stand(template, shape, np.zeros((24, 3))))
     shells, pieces = draw_clothes(rest, gender, rng, held_out)
+    if finished and not any(piece.is_finished for piece in pieces):
+        return
     worn = put_on(pieces, rest)
-    if pieces and not worn:
+    if (pieces and not worn) or (finished and not any(one.piece.is_finished for one in worn)):
         return
 
     def wear(body: Body, grid: DistanceGrid, rng: np.random.Generator) -> list[Layer]:
@@ -178,11 +181,12 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=100, help="persons")
     parser.add_argument("--scans", type=int, default=2, help="scans of each")
     parser.add_argument("--held-out", action="store_true", help="designs that are kept for measuring")
+    parser.add_argument("--finished", action="store_true", help="those alone who wear a collar, a hood or a front")
     parser.add_argument("--outfits", type=Path, help="folder of CC0 outfits to wear instead: base.obj and clothes")
     parser.add_argument("--limit", type=float, help="stop after so many seconds")
     options = parser.parse_args()
     seeds = range(options.first, options.first + options.count)
-    how: Simulate = partial(simulate, held_out=options.held_out)
+    how: Simulate = partial(simulate, held_out=options.held_out, finished=options.finished)
     if options.outfits:
         names = HELD_OUT_OUTFITS if options.held_out else TRAINED_OUTFITS
         how = partial(simulate_outfit, outfits=load_outfits(options.outfits, names))
