@@ -21,11 +21,12 @@ from ..core.body.template import Template, load_template
 from ..core.people.part import GARMENTS, Part
 from .accessories import bare_skin, draw_accessories
 from .cloth import hide_skin
+from .designs import Piece, draw_outfit
 from .outfits import HELD_OUT_OUTFITS, TRAINED_OUTFITS, Outfit, load_outfits, wear_outfit
 from .scanner import draw_scanner, scan_person
 from .shards import Shard, save_shard
 from .shells import Shell, draw_leggings, draw_tight_suit, draw_tight_top, draw_underwear, wear_shell
-from .wardrobe import Layer, Piece, cover, draw_outfit, grid_of, put_on, take_pose
+from .wardrobe import Layer, cover, grid_of, put_on, take_pose
 from .wearer import at_rest, draw_pose, draw_wearer, stand
 
 REVISION = 3

@@ -1,8 +1,7 @@
-"""Draw what a person wears, and dress the wearer in it."""
+"""Dress a wearer in drawn garments, and carry these into a pose."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import igl
@@ -14,18 +13,17 @@ from ..core.body.distance import DistanceGrid
 from ..core.body.skinning import skin, weights_at
 from ..core.garment.creases import find_turned_panels
 from ..core.garment.garment import Garment
-from ..core.garment.measures import BodyMeasures
-from ..core.garment.parts.cut import Collar, Cuff, Cut, Front, HemBand, Hood, HoodWorn, Legs, Skirt, Sleeve
+from ..core.garment.parts.cut import Hood, HoodWorn
 from ..core.garment.sewing import mesh_pattern
-from ..core.garment.templates import draft_template, find_cut
+from ..core.garment.templates import draft_template
 from ..core.people.part import Part
 from ..core.recover.drape.dress import DressSettings, dress
 from ..core.recover.drape.layer_contact import LayerContact
 from ..core.recover.drape.pbd import DistanceConstraints, PbdState, build_distance_constraints, simulate_pbd
-from ..core.recover.drape.sizing import measure_wearer
 from ..core.recover.drape.waist import waist_loop
 from ..core.run.errors import GarmentqError
 from .cloth import COVER, Mesh, clear, clip, even_out, hem_height, refine, thicken, tuck_under, wave_field
+from .designs import Piece, draw_trims
 
 NODES = 1000
 """Nodes of a garment while it is draped: edges of 3 cm, 0.7 s a garment, 2 to 5 s with a collar or a hood; refined once
@@ -36,109 +34,6 @@ FALL = 45
 
 SETTLED = 0.004
 """Distance [m] from the skin that the drape leaves; what a drawn thickness is less than that is taken off again."""
-
-UPPERS = ("long_sleeve_tshirt", "tshirt", "tank")
-LOWERS = ("trousers", "shorts", "skirt", "four_panel_skirt")
-DRESSES = ("dress", "sleeved_dress")
-JUMPSUITS = ("jumpsuit", "sleeved_jumpsuit")
-HELD_OUT = "pencil_skirt"
-"""Design that is kept for measuring when a set is drawn without it."""
-
-OVER = 0.12
-"""Share of persons in an outer layer."""
-
-TOP_FINISHES = {
-    "": 0.66,
-    "collar=shirt,front=buttons": 0.10,
-    "collar=convertible,front=buttons": 0.02,
-    "collar=polo,front=placket": 0.05,
-    "front=placket": 0.02,
-    "collar=stand,front=placket": 0.01,
-    "collar=stand,front=zip": 0.02,
-    "collar=rib": 0.03,
-    "collar=turtleneck": 0.03,
-    "hood": 0.04,
-    "hood,front=zip": 0.02,
-}
-"""What a top has at its neck and centre front, and how often: estimates for daily wear, a third of the tops."""
-
-OUTER_FINISHES = {
-    "front=open": 0.08,
-    "collar=shirt,front=open": 0.08,
-    "collar=convertible,front=open": 0.06,
-    "collar=notched,front=open": 0.16,
-    "collar=shawl,front=open": 0.07,
-    "collar=stand,front=open": 0.05,
-    "hood,front=open": 0.12,
-    "collar=stand,front=zip": 0.12,
-    "hood,front=zip": 0.12,
-    "collar=shirt,front=buttons": 0.05,
-    "collar=convertible,front=buttons": 0.02,
-    "collar=notched,front=buttons": 0.07,
-}
-"""The same of outer layers: six in ten are open, a quarter is zipped up."""
-
-DRESS_FINISHES = {
-    "": 0.8,
-    "collar=shirt,front=buttons": 0.12,
-    "collar=convertible,front=buttons": 0.04,
-    "collar=turtleneck": 0.04,
-}
-"""The same of dresses."""
-
-HOOD_UP = 0.2
-"""Share of hoods that are worn on the head: most people put them down to be scanned."""
-
-HOOD_THREE = 0.3
-"""Share of hoods of three pieces."""
-
-RIBBED, RIBBED_SWEATSHIRT = 0.08, 0.7
-"""Shares of tops with ribs at hem and cuffs: of all, and of those with a hood or a rib at the neck."""
-
-DROPPED = 0.15
-"""Share of tops with sleeves whose shoulders are dropped."""
-
-SLEEVELESS_OUTER = 0.08
-"""Share of outer layers without sleeves: gilets."""
-
-LEGS = {"straight": 0.45, "tapered": 0.23, "flared": 0.08, "wide": 0.12, "leggings": 0.12}
-"""Lines of trousers' legs and how often each is drawn."""
-
-WAISTBANDS = {"none": 0.5, "band": 0.25, "elastic": 0.25}
-"""Finishes of trousers' waists and how often each is drawn."""
-
-Trim = Callable[[np.ndarray], np.ndarray]
-"""From points around the T-pose [m], [n, 3], to a field [n] that is positive where cloth stays."""
-
-
-@dataclass(frozen=True)
-class Piece:
-    """Describe one garment before it is draped.
-
-    Attributes:
-        template: Name of its cut, one of the shipped ones or one with other parts, as `draft_template` reads it.
-        part: What it is labelled as.
-        measures: What it is drafted to.
-        wide: Whether it lies over what was put on before.
-        tucked: Whether it is tucked into what is put on next.
-    """
-
-    template: str
-    part: Part
-    measures: BodyMeasures
-    wide: bool = False
-    tucked: bool = False
-
-    @property
-    def cut(self) -> Cut:
-        """Return its parts."""
-        return find_cut(self.template)
-
-    @property
-    def is_finished(self) -> bool:
-        """Return whether it has a collar, a hood or a front of its own."""
-        cut = self.cut
-        return (cut.collar, cut.hood, cut.front) != (Collar.NONE, Hood.NONE, Front.NONE)
 
 
 @dataclass(frozen=True)
@@ -226,97 +121,6 @@ def grid_of(body: Body) -> DistanceGrid:
     return DistanceGrid.from_mesh(body.vertices, body.faces, GRID)
 
 
-def draw_outfit(body: Body, rng: np.random.Generator, held_out: bool) -> list[Piece]:
-    """Draw the garments of a person, the innermost first.
-
-    Args:
-        body: The wearer, whose measures they are drafted to with drawn ease.
-        rng: The generator.
-        held_out: Draw a jumpsuit, or a top over `HELD_OUT`.
-    """
-    m = measure_wearer(body)
-    ease = float(rng.uniform(0.97, 1.2))
-    m = replace(
-        m,
-        bust=m.bust * ease,
-        waist=m.waist * float(rng.uniform(0.98, 1.12)),
-        hip=m.hip * float(rng.uniform(0.98, 1.14)),
-        hip_height=m.hip_height - float(rng.uniform(-0.06, 0.05)),
-    )
-    kind, is_over = rng.random(), rng.random() < OVER
-    if kind < (0.5 if held_out else 0.1):
-        pieces = [Piece(str(rng.choice(JUMPSUITS)), Part.ONE_PIECE, m)]
-    elif not held_out and kind < 0.27:
-        pieces = [Piece(name_finished(str(rng.choice(DRESSES)), draw_word(DRESS_FINISHES, rng)), Part.ONE_PIECE, m)]
-    elif not held_out and kind < 0.35:
-        pieces = [_lower(m, rng, False) if rng.random() < 0.8 else _upper(m, rng, is_over)]
-    else:
-        upper, lower = _upper(m, rng, is_over), _lower(m, rng, held_out)
-        tucked = upper.cut.hem_band is HemBand.NONE and rng.random() < 0.35
-        pieces = [replace(upper, tucked=True), lower] if tucked else [lower, upper]
-        pieces[1] = replace(pieces[1], wide=True)
-    if is_over:
-        length = float(rng.uniform(-0.05, 0.25))
-        roomy = replace(m, bust=m.bust * 1.14 + 0.06, hip=m.hip * 1.12, hip_height=m.hip_height - length)
-        sleeve = "none" if rng.random() < SLEEVELESS_OUTER else "long"
-        pieces.append(Piece(_draw_top(sleeve, OUTER_FINISHES, rng), Part.OUTER, roomy, wide=True))
-    return pieces
-
-
-def _upper(m: BodyMeasures, rng: np.random.Generator, is_below: bool) -> Piece:
-    """Draw a top; one below an outer layer has no hood."""
-    long = replace(m, hip_height=m.hip_height - float(rng.choice([0.0, 0.0, rng.uniform(0.0, 0.22)])))
-    name = str(rng.choice(UPPERS, p=(0.6, 0.2, 0.2)))
-    if name == "tank":
-        return Piece(name, Part.UPPER, long)
-    finishes = {word: share for word, share in TOP_FINISHES.items() if not (is_below and word.startswith("hood"))}
-    return Piece(_draw_top("long" if name == "long_sleeve_tshirt" else "short", finishes, rng), Part.UPPER, long)
-
-
-def _lower(m: BodyMeasures, rng: np.random.Generator, held_out: bool) -> Piece:
-    slim = replace(m, waist=min(m.waist, 0.5 * (m.waist + m.hip)), hip_height=m.hip_height)
-    name = HELD_OUT if held_out else str(rng.choice(LOWERS, p=(0.5, 0.15, 0.2, 0.15)))
-    if name == "trousers":
-        legs, waistband = draw_word(LEGS, rng), draw_word(WAISTBANDS, rng)
-        if (legs, waistband) == ("leggings", "elastic"):  # leggings hold by their own stretch
-            waistband = "none"
-        name = name_finished(name, f"legs={legs},waistband={waistband}")
-    return Piece(name, Part.LOWER, slim)
-
-
-def _draw_top(sleeve: str, finishes: dict[str, float], rng: np.random.Generator) -> str:
-    """Draw the cut of a top with sleeves of a given length and return its name.
-
-    Args:
-        sleeve: A choice of `Sleeve`.
-        finishes: What it has at its neck and centre front, with shares; `hood` stands for any hood.
-        rng: The generator.
-    """
-    word, parts = draw_word(finishes, rng), []
-    is_sweatshirt = "hood" in word or "collar=rib" in word
-    is_ribbed = rng.random() < (RIBBED_SWEATSHIRT if is_sweatshirt else RIBBED)
-    if "hood" in word:
-        pieces = "three" if rng.random() < HOOD_THREE else "two"
-        worn = "up" if rng.random() < HOOD_UP else "down"
-        word = word.replace("hood", f"hood={pieces},hood_worn={worn}")
-    if sleeve != "none" and rng.random() < DROPPED:
-        parts.append("sleeve_head=dropped")
-    if is_ribbed:
-        parts += ["hem_band=rib", *(["cuff=rib"] if sleeve == "long" else [])]
-    return name_finished("long_sleeve_tshirt", ",".join([f"sleeve={sleeve}", *parts, *([word] if word else [])]))
-
-
-def name_finished(stem: str, parts: str) -> str:
-    """Return the name of a shipped cut with other parts, `front=zip,collar=stand`; an empty text changes none."""
-    return f"{stem}+{parts}" if parts else stem
-
-
-def draw_word(shares: dict[str, float], rng: np.random.Generator) -> str:
-    """Draw one of some words by their shares, whose sum need not be 1."""
-    weights = np.array(list(shares.values()))
-    return list(shares)[int(rng.choice(len(weights), p=weights / weights.sum()))]
-
-
 def put_on(pieces: list[Piece], rest: Body) -> list[Worn]:
     """Dress the T-pose, each garment over those before it; one that cannot be put on is left out."""
     heights = np.zeros(len(rest.vertices))
@@ -346,7 +150,7 @@ def goes_around_arms(garment: Garment, rest: Body) -> bool:
     """
     cuffs: dict[str, list[np.ndarray]] = {}
     for ref, line in garment.edge_uv.items():
-        contour = garment.pattern.panel(ref.panel).edges[ref.edge].contour or ""
+        contour = garment.pattern.panel(ref.panel).edges[ref.edge].contour
         if contour.startswith("cuff"):
             cuffs.setdefault(contour, []).append(line)
     for name, lines in cuffs.items():
@@ -368,46 +172,6 @@ def heights_above(body: Body, cloth: Mesh) -> np.ndarray:
     upright = np.einsum("na,na->n", nearest - body.vertices, normals) > 0.7 * distance
     height = np.where(upright & (distance < 0.5 * COVER), distance, 0.0)
     return even_out(height, body.faces, 4)
-
-
-def draw_trims(piece: Piece, rest: Body, rng: np.random.Generator) -> list[Trim]:
-    """Draw where a garment is cut shorter than its draft: sleeves, legs, hem, neckline, none of which is finished."""
-    trims: list[Trim] = []
-    cut = piece.cut
-    shoulder, wrist = rest.joint("left_shoulder"), rest.joint("left_wrist")
-    neck, knee, ankle, pelvis = (rest.joint(name) for name in ("neck", "left_knee", "left_ankle", "pelvis"))
-    tilt = rng.normal(0.0, 0.06, 3)
-    shortened = 0.25 if piece.part is Part.OUTER else 0.6
-    if cut.sleeve in (Sleeve.LONG, Sleeve.ELBOW) and cut.cuff is Cuff.NONE and rng.random() < shortened:
-        reach = shoulder[0] + rng.uniform(0.08, 1.0) * (wrist[0] - shoulder[0])
-        slant = rng.normal(0.0, 0.12)
-        trims.append(lambda p: reach - np.abs(p[:, 0]) + slant * (p[:, 1] - shoulder[1]))
-    if piece.part is Part.UPPER and cut.hem_band is HemBand.NONE and rng.random() < 0.35:
-        hem = pelvis[1] + rng.uniform(-0.12, 0.12)
-        wave = rng.normal(0.0, 0.1)
-        trims.append(lambda p: p[:, 1] - hem - wave * np.abs(p[:, 0]) + tilt[0] * p[:, 2])
-    if piece.tucked:
-        end = pelvis[1] + rng.uniform(-0.03, 0.03)
-        trims.append(lambda p: p[:, 1] - end)
-    if cut.legs not in (Legs.NONE, Legs.SHORT) and rng.random() < 0.55:
-        leg = ankle[1] + rng.uniform(-0.02, 0.75) * (pelvis[1] - ankle[1])
-        trims.append(lambda p: p[:, 1] - leg + tilt[1] * p[:, 2])
-    if cut.skirt is not Skirt.NONE and rng.random() < 0.4:
-        low = knee[1] + rng.uniform(-0.05, 0.25) * (pelvis[1] - knee[1]) * 2
-        trims.append(lambda p: p[:, 1] - low + tilt[2] * p[:, 2])
-    if piece.part is not Part.LOWER and not piece.is_finished and rng.random() < 0.5:
-        depth, width = rng.uniform(0.04, 0.2), rng.uniform(0.06, 0.12)
-        front = rng.random() < 0.8
-        # A V or a U: what lies above the line through the lowest point, on one side of the neck.
-        power = rng.uniform(1.0, 2.5)
-
-        def neckline(p: np.ndarray) -> np.ndarray:
-            side = (p[:, 2] - neck[2]) * (1.0 if front else -1.0)
-            line = neck[1] - depth * (1 - (np.abs(p[:, 0]) / width) ** power)
-            return np.maximum(line + 0.02 - p[:, 1], np.maximum(np.abs(p[:, 0]) - width, -side - 0.01))
-
-        trims.append(neckline)
-    return trims
 
 
 def take_pose(worn: list[Worn], body: Body, grid: DistanceGrid, rng: np.random.Generator) -> list[Layer]:
