@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Sequence
 from dataclasses import asdict
 from hashlib import sha256
 from pathlib import Path
@@ -16,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from ..core.people.features import FEATURE_LAYOUT_VERSION
-from ..core.people.networks import LimbCells, Network, NetworkEnsemble, kinds_to_parts, parts_to_kinds
+from ..core.people.networks import LimbCells, Network, NetworkEnsemble, kinds_to_parts, load_ensemble, parts_to_kinds
 from .describe import Described
 from .judge import Judged, judge
 from .network import PersonNetwork
@@ -66,15 +67,22 @@ def main() -> None:
     parser.add_argument("--samples", type=Path, nargs="+", required=True, help="folders of described scans")
     parser.add_argument("--out", type=Path, required=True, help="the file, kinds.npz")
     parser.add_argument("--epochs", type=int, default=16)
+    parser.add_argument("--start", type=Path, help="networks of kinds to go on from, one for each seed")
     parser.add_argument("--seeds", type=int, nargs="*", default=SEEDS)
     options = parser.parse_args()
     train, validation = split([scan for folder in options.samples for scan in load_set(folder)])
+    begin: Sequence[Network | None] = [None] * len(options.seeds)
+    if options.start is not None:
+        begin = load_ensemble(options.start).networks
     members = []
-    for seed in options.seeds:
-        network = train_network(train, options.epochs, seed, of_kinds=True)
+    for seed, start in zip(options.seeds, begin, strict=True):
+        network = train_network(train, options.epochs, seed, of_kinds=True, start=start)
         members.append(harden(network, calibrate([predict(network, scan) for scan in validation], validation)))
     committee = NetworkEnsemble(tuple(members))
-    write_kinds(committee, options.out, describe_training(committee, options.seeds, options.epochs, train, validation))
+    about = describe_training(committee, options.seeds, options.epochs, train, validation)
+    if options.start is not None:
+        about["start"] = sha256(options.start.read_bytes()).hexdigest()
+    write_kinds(committee, options.out, about)
 
 
 def describe_training(

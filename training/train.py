@@ -25,7 +25,7 @@ from ..core.people.part import GARMENTS, PARTS
 from .boosted import predict_boosted, save_boosted, train_boosted
 from .describe import Described, load_described
 from .judge import NUMBERS, Judged, find_temperature, judge
-from .network import PersonNetwork, save_weights, to_torch
+from .network import PersonNetwork, load_network, save_weights, to_torch
 from .persons import REVISION
 
 SAMPLES = 8000
@@ -34,6 +34,8 @@ TOGETHER = 2
 """Scans whose gradients are summed up in a step."""
 RATE = 3.0e-3
 """Highest learning rate (AdamW)."""
+RATE_AGAIN = 1.0e-3
+"""Highest learning rate where weights are trained on: a third, so that what they know is kept."""
 LEAST_TIGHTNESS = 1.0e-3
 """Added to tightness before its logarithm is taken [m]: the fit's own noise."""
 BORDER = 0.03
@@ -104,7 +106,13 @@ def inputs_of(scan: Described, of_kinds: bool) -> np.ndarray:
     return scan.kind_inputs if of_kinds else scan.inputs
 
 
-def train_network(scans: list[Described], epochs: int, seed: int = 0, of_kinds: bool = False) -> PersonNetwork:
+def train_network(
+    scans: list[Described],
+    epochs: int,
+    seed: int = 0,
+    of_kinds: bool = False,
+    start: learnt.Network | None = None,
+) -> PersonNetwork:
     """Train a network.
 
     Args:
@@ -112,15 +120,16 @@ def train_network(scans: list[Described], epochs: int, seed: int = 0, of_kinds: 
         epochs: Times that each scan is seen.
         seed: Of the weights and of the order.
         of_kinds: Tell `KINDS` apart, and not parts.
+        start: A network to go on from, or None to begin with random weights.
     """
     torch.set_num_threads(1)
     torch.manual_seed(seed)
     rng = np.random.default_rng(seed)
-    every = np.concatenate([inputs_of(scan, of_kinds)[:: max(1, len(scan.values) // 500)] for scan in scans])
-    network = PersonNetwork(every.mean(axis=0), every.std(axis=0) + 1e-3, of_kinds)
-    optimiser = torch.optim.AdamW(network.parameters(), lr=RATE, weight_decay=1e-2)
+    network = begin_network([inputs_of(scan, of_kinds) for scan in scans], of_kinds, start)
+    rate = RATE if start is None else RATE_AGAIN
+    optimiser = torch.optim.AdamW(network.parameters(), lr=rate, weight_decay=1e-2)
     steps = max(1, epochs * len(scans) // TOGETHER)
-    schedule = torch.optim.lr_scheduler.OneCycleLR(optimiser, RATE, total_steps=steps + 1, pct_start=0.15)
+    schedule = torch.optim.lr_scheduler.OneCycleLR(optimiser, rate, total_steps=steps + 1, pct_start=0.15)
     count = np.bincount(np.concatenate([COLUMN[scan.label] for scan in scans]), minlength=len(PARTS))
     weight = torch.from_numpy((count.max() / np.maximum(count, 1)).clip(max=100) ** 0.25).float()
     order = np.concatenate([rng.permutation(len(scans)) for _ in range(epochs)])[: steps * TOGETHER]
@@ -138,6 +147,23 @@ def train_network(scans: list[Described], epochs: int, seed: int = 0, of_kinds: 
         if step % 50 == 0:
             print(f"step {step} of {steps}: loss {total:.3f}", flush=True)
     return network.eval()
+
+
+def begin_network(inputs: list[np.ndarray], of_kinds: bool, start: learnt.Network | None) -> PersonNetwork:
+    """Return the network that training begins with; heads that only training uses begin with random weights.
+
+    Args:
+        inputs: What it reads of each scan.
+        of_kinds: It tells `KINDS` apart, and not parts.
+        start: The network to go on from, scaling of the inputs included, or None.
+    """
+    if start is not None:
+        network = PersonNetwork(start.weights["mean"], start.weights["spread"], of_kinds)
+        kept = {name: torch.from_numpy(value) for name, value in start.weights.items()}
+        network.load_state_dict(network.state_dict() | kept)
+        return network
+    every = np.concatenate([values[:: max(1, len(values) // 500)] for values in inputs])
+    return PersonNetwork(every.mean(axis=0), every.std(axis=0) + 1e-3, of_kinds)
 
 
 def _loss(network: PersonNetwork, scan: Described, weight: torch.Tensor, rng: np.random.Generator) -> torch.Tensor:
@@ -221,6 +247,7 @@ def main() -> None:
     parser.add_argument("--epochs", type=int, default=20)
     parser.add_argument("--persons", type=int, help="train on so many persons at most")
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--start", type=Path, help="weights.npz of a training to go on from")
     parser.add_argument("--boosted", action="store_true", help="train the boosted baseline, too (needs scikit-learn)")
     options = parser.parse_args()
     train, validation = split(load_set(options.samples))
@@ -230,7 +257,10 @@ def main() -> None:
     sets |= {folder.name: load_set(folder) for folder in options.held_out}
     options.out.mkdir(parents=True, exist_ok=True)
     start = time.process_time()
-    network = train_network(train, options.epochs, options.seed)
+    begin = None if options.start is None else load_network(options.start)
+    if options.start is not None and begin is None:
+        parser.error(f"{options.start} has no weights of the present features; train them anew.")
+    network = train_network(train, options.epochs, options.seed, start=begin)
     figures: dict[str, Any] = {"network": {"seconds": time.process_time() - start}}
     logits = {name: [predict(network, scan) for scan in scans] for name, scans in sets.items()}
     temperature = calibrate(logits["validation"], validation)

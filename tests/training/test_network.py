@@ -16,7 +16,7 @@ from garmentq.training.describe import Described
 from garmentq.training.judge import find_temperature, judge, judge_labels
 from garmentq.training.kinds import harden, write_kinds
 from garmentq.training.network import PersonNetwork, load_network, save_weights, to_torch
-from garmentq.training.train import cells_of, predict, soften, train_network
+from garmentq.training.train import begin_network, cells_of, predict, soften, train_network
 
 
 def draw_scan(seed, count=600):
@@ -68,6 +68,17 @@ def test_numpy_runs_what_torch_trained_of_kinds(tmp_path):
     )
     found = load_ensemble(tmp_path / "kinds.npz").predict_kinds(features, rules)
     assert found == pytest.approx(soften(predict(network, scan), 1.3), abs=1e-4)
+
+
+def test_training_goes_on_from_what_was_trained():
+    """Broken where weights, or the scaling of the inputs, are drawn anew: all that is known would be learnt again."""
+    torch.manual_seed(4)
+    first, other = draw_scan(2), replace(draw_scan(3), values=3.0 * draw_scan(3).values)
+    network = PersonNetwork(first.kind_inputs.mean(axis=0), first.kind_inputs.std(axis=0) + 1e-3, True)
+    kept = harden(network, 1.0)
+    trained = {name: value for name, value in kept.weights.items() if not name.startswith("present")}
+    again = begin_network([other.kind_inputs], True, replace(kept, weights=trained))
+    assert predict(again.eval(), other) == pytest.approx(predict(network.eval(), other), abs=1e-2)
 
 
 def test_weights_of_another_layout_are_refused(tmp_path):
