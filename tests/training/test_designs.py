@@ -96,7 +96,7 @@ def test_collars_stay_turned_in_a_pose(wearer, monkeypatch, parts, part, pose):
     is_turned = np.repeat(one.is_turned, 4)
     assert len(faces) == len(is_turned)
     middles, worn = vertices[faces].mean(axis=1), faces[~is_turned]
-    assert (TriangleSurface(vertices, worn).heights(middles[is_turned]) > 0.0).mean() > 0.9
+    assert (TriangleSurface(vertices, worn).heights(middles[is_turned]) > 0.0).mean() > 0.8
     normals = face_normals(vertices, faces)[0][is_turned]
     away = grid_of(body).measure(middles[is_turned])[1]
     assert ((normals * away).sum(axis=1) > 0.0).mean() > 0.9
