@@ -9,8 +9,8 @@ import numpy as np
 
 from ..core.body.body import Body
 from ..core.garment.measures import BodyMeasures
-from ..core.garment.parts.cut import Collar, Cuff, Cut, Front, HemBand, Hood, Legs, Skirt, Sleeve
-from ..core.garment.templates import find_cut
+from ..core.garment.parts.cut import Collar, Cuff, Cut, Front, HemBand, Hood, Legs, Skirt, Sleeve, parse_parts
+from ..core.garment.templates import find_cut, name_cut
 from ..core.people.part import Part
 from ..core.recover.drape.sizing import measure_wearer
 
@@ -156,7 +156,7 @@ def draw_outfit(body: Body, rng: np.random.Generator, held_out: bool) -> list[Pi
 
 
 def _upper(m: BodyMeasures, rng: np.random.Generator, is_below: bool) -> Piece:
-    """Draw a top; one below an outer layer has no hood."""
+    """Draw a top; one below an outer layer has no hood, which would lie flat between the two backs."""
     long = replace(m, hip_height=m.hip_height - float(rng.choice([0.0, 0.0, rng.uniform(0.0, 0.22)])))
     name = str(rng.choice(UPPERS, p=(0.6, 0.2, 0.2)))
     if name == "tank":
@@ -184,23 +184,24 @@ def _draw_top(sleeve: str, finishes: dict[str, float], rng: np.random.Generator)
         finishes: What it has at its neck and centre front, with shares; `hood` stands for any hood.
         rng: The generator.
     """
-    word, parts = draw_word(finishes, rng), []
+    word = draw_word(finishes, rng)
     is_sweatshirt = "hood" in word or "collar=rib" in word
     is_ribbed = rng.random() < (RIBBED_SWEATSHIRT if is_sweatshirt else RIBBED)
     if "hood" in word:
         pieces = "three" if rng.random() < HOOD_THREE else "two"
         worn = "up" if rng.random() < HOOD_UP else "down"
         word = word.replace("hood", f"hood={pieces},hood_worn={worn}")
+    parts = [f"sleeve={sleeve}", word]
     if sleeve != "none" and rng.random() < DROPPED:
         parts.append("sleeve_head=dropped")
     if is_ribbed:
-        parts += ["hem_band=rib", *(["cuff=rib"] if sleeve == "long" else [])]
-    return name_finished("long_sleeve_tshirt", ",".join([f"sleeve={sleeve}", *parts, *([word] if word else [])]))
+        parts += ["hem_band=rib", "cuff=rib" if sleeve == "long" else ""]
+    return name_finished("tshirt" if sleeve == "short" else "long_sleeve_tshirt", ",".join(parts))
 
 
 def name_finished(stem: str, parts: str) -> str:
     """Return the name of a shipped cut with other parts, `front=zip,collar=stand`; an empty text changes none."""
-    return f"{stem}+{parts}" if parts else stem
+    return name_cut(stem, find_cut(stem).choose(parse_parts(parts)))
 
 
 def draw_word(shares: dict[str, float], rng: np.random.Generator) -> str:
