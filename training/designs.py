@@ -9,7 +9,8 @@ import numpy as np
 
 from ..core.body.body import Body
 from ..core.garment.measures import BodyMeasures
-from ..core.garment.parts.cut import Collar, Cuff, Cut, Front, HemBand, Hood, Legs, Skirt, Sleeve, parse_parts
+from ..core.garment.parts.cut import Collar, Cuff, Cut, Front, HemBand, Hood, Legs, Skirt, Sleeve
+from ..core.garment.parts.part_words import parse_parts
 from ..core.garment.templates import find_cut, name_cut
 from ..core.people.part import Part
 from ..core.recover.drape.sizing import measure_wearer
