@@ -16,10 +16,6 @@ FRONT_EDGE_STIFFNESS = 10.0
 """Stiffness of the springs that stand for the friction of a front's edges on what they lie on [N/m]: a node's share of
 the weight of a jacket, some mN, moves it by less than a millimetre."""
 
-FRONT_EDGE_DIRECTIONS = (1.0, 0.0, 1.0)
-"""Weights of the springs along x, y and z [1]: the cloth hangs freely in height."""
-
-
 EDGE_GAP = 0.004
 """Least distance of the two edges, sideways [m]: twice that of layers that rest on each other. Edges that a scan shows
 nearer, or lapped, meet: a pull through each other would not come to rest."""
@@ -48,11 +44,13 @@ def pin_front(garment: Garment, target: Target, body: Body) -> Pins | None:
         gap = 2.0 * side * ((place - opposite) @ lateral)
         nodes.append(own.vertices)
         points.append(place + side * np.maximum(0.0, EDGE_GAP - gap)[:, None] * lateral)
-    return Pins(np.concatenate(nodes), np.concatenate(points), FRONT_EDGE_STIFFNESS, FRONT_EDGE_DIRECTIONS)
+    along = abs(float(lateral[0])), 0.0, abs(float(lateral[2]))  # sideways; the cloth hangs freely in height and depth
+    return Pins(np.concatenate(nodes), np.concatenate(points), FRONT_EDGE_STIFFNESS, along)
 
 
 def place_pinned(nodes: np.ndarray, pins: Pins) -> np.ndarray:
     """Return nodes [m], shape [node_count, 3], the pinned ones at their pins in the directions that these act along."""
     placed = nodes.copy()
-    placed[pins.nodes] = np.where(np.array(pins.directions) > 0.0, pins.points, nodes[pins.nodes])
+    weights, before = np.array(pins.directions), nodes[pins.nodes]
+    placed[pins.nodes] = np.where(weights == 1.0, pins.points, before + weights * (pins.points - before))
     return placed
