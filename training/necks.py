@@ -34,7 +34,7 @@ from ..core.run.errors import GarmentqError
 from ..core.scan.contours.garment import segment_garment
 from ..core.scan.scan import Scan
 from .accessories import bare_skin, draw_accessories
-from .cloth import refine, thicken
+from .cloth import refine
 from .scanner import Scanner, draw_scanner, scan_person
 from .wardrobe import Layer
 from .wearer import at_rest, draw_wearer, pose_angles, stand
@@ -126,8 +126,7 @@ def measure_alone(drape: NeckDrape, rng: np.random.Generator) -> NeckShape | Non
 
 def measure_on_person(drape: NeckDrape, rng: np.random.Generator) -> NeckShape | None:
     """Measure a garment that is cut out of the surface of a scanned person, by the true labels."""
-    mesh = thicken(refine(drape.garment.nodes, drape.garment.faces), np.zeros(1))
-    layers = [Layer(Part.UPPER, mesh)]
+    layers = [Layer(Part.UPPER, refine(drape.garment.nodes, drape.garment.faces))]
     layers += draw_accessories(load_template(), drape.body, layers, rng)
     layers.append(Layer(Part.SKIN, bare_skin(drape.body, layers), is_cloth=False))
     scan = scan_person(layers, drape.body, _draw_surface_scanner(rng), rng)

@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from ..core.body.body import Body
 from ..core.body.distance import DistanceGrid
 from ..core.body.skinning import skin, weights_at
-from ..core.garment.creases import find_turned_panels
+from ..core.garment.creases import mark_turned_faces
 from ..core.garment.garment import Garment
 from ..core.garment.parts.cut import Hood, HoodWorn
 from ..core.garment.sewing import mesh_pattern
@@ -58,13 +58,6 @@ class Worn:
     def layers(self) -> LayerContact | None:
         """Return how its layers are kept apart: where cloth is turned over, or a hood is, lies on cloth of its own."""
         return LayerContact() if self.threads.is_creased or self.piece.cut.hood is not Hood.NONE else None
-
-    @property
-    def is_turned(self) -> np.ndarray:
-        """Return which faces are turned over, so that their other side is seen: those of falls, bool, shape [m]."""
-        turned = find_turned_panels(self.garment.pattern)
-        panels = np.array([panel.name in turned for panel in self.garment.pattern.panels])
-        return np.asarray(panels[self.garment.panel_of_uv[self.garment.uv_faces[:, 0]]])
 
 
 @dataclass(frozen=True)
@@ -211,7 +204,7 @@ def _finish(one: Worn, nodes: np.ndarray, around: Over, body: Body, rng: np.rand
     flat, _ = refine(one.nodes, one.garment.faces)
     vertices, faces = refine(nodes, one.garment.faces)
     # Each face is four now, one after the other. The side that is seen faces outwards.
-    mesh = vertices, np.where(np.repeat(one.is_turned, 4)[:, None], faces[:, ::-1], faces)
+    mesh = vertices, np.where(np.repeat(mark_turned_faces(one.garment), 4)[:, None], faces[:, ::-1], faces)
     stays = np.ones(len(flat))
     for trim in draw_trims(one.piece, body_at_rest(body), rng):
         stays = np.minimum(stays, trim(flat))

@@ -73,6 +73,10 @@ class Body:
         found: np.ndarray = self.joints[JOINTS.index(name)]
         return found
 
+    def sideways(self, joints: str) -> np.ndarray:
+        """Return the level vector [m] from the right one of two joints, `shoulder` or `hip`, to the left, shape [3]."""
+        return np.asarray((self.joint(f"left_{joints}") - self.joint(f"right_{joints}")) * (1.0, 0.0, 1.0))
+
     def raised(self, heights: np.ndarray) -> Body:
         """Return the body with its vertices moved outward along their normals by heights [m], shape [vertex_count].
         Where the mesh is the fitted model's own (a person estimated under cloth), the T-pose is raised alike."""

@@ -43,6 +43,13 @@ def turned_area(pattern: Pattern) -> float:
     return sum(panel_area(panel) for panel in pattern.panels if panel.name in turned)
 
 
+def mark_turned_faces(garment: Garment) -> np.ndarray:
+    """Return which faces of a garment are of panels that are turned over, bool, shape [face_count]."""
+    turned = find_turned_panels(garment.pattern)
+    panels = np.array([panel.name in turned for panel in garment.pattern.panels])
+    return np.asarray(panels[garment.panel_of_face])
+
+
 def crease_edges(garment: Garment) -> np.ndarray:
     """Return the edges of a garment's mesh that lie on its creases, lower node first, shape [n, 2]."""
     lines = [garment.uv_node[line] for ref, line in garment.edge_uv.items() if is_crease(garment.pattern, ref)]

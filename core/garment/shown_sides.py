@@ -8,7 +8,7 @@ import numpy as np
 from ..geometry.geometry import face_normals
 from ..geometry.surface import TriangleSurface
 from ..scan.contours.turned import MAX_TURNED_DISTANCE
-from .creases import find_turned_panels
+from .creases import mark_turned_faces
 from .garment import Garment
 
 MIN_COVERING_COSINE = 0.7
@@ -28,7 +28,7 @@ def find_shown_sides(garment: Garment, surface: TriangleSurface, normals: np.nda
         normals: Its normals, shape [vertex_count, 3].
     """
     nodes, faces = garment.nodes, garment.faces
-    turned = find_turned_faces_of(garment)
+    turned = mark_turned_faces(garment)
     if not turned.any():
         return np.ones(len(faces), dtype=np.int64)
     centres, outward = nodes[faces].mean(axis=1), face_normals(nodes, faces)[0]
@@ -39,13 +39,6 @@ def find_shown_sides(garment: Garment, surface: TriangleSurface, normals: np.nda
     height = ((over.foot - centres) * outward).sum(axis=1)
     covered = (height > MIN_COVERING_COSINE * over.distance) & (over.distance < MAX_TURNED_DISTANCE)
     return np.where(turned, -1, np.where(covered, 0, 1))
-
-
-def find_turned_faces_of(garment: Garment) -> np.ndarray:
-    """Return which faces of a garment are of panels that are turned over, bool, shape [face_count]."""
-    turned = find_turned_panels(garment.pattern)
-    numbers = [i for i, panel in enumerate(garment.pattern.panels) if panel.name in turned]
-    return np.isin(garment.panel_of_face, numbers)
 
 
 def select_shown_faces(faces: np.ndarray, sides: np.ndarray) -> np.ndarray:

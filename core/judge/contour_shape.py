@@ -115,7 +115,7 @@ def _compare_corners(garment: Garment, nodes: np.ndarray, target: Target, body: 
     if fits is None:
         return {}
     loop = next(contour.vertices for contour in garment.contours if contour.name == "neck")
-    lateral = (body.joint("left_shoulder") - body.joint("right_shoulder")) * (1.0, 0.0, 1.0)
+    lateral = body.sideways("shoulder")
     off, ahead = nodes[loop] @ lateral, nodes[loop] @ np.cross(lateral, (0.0, 1.0, 0.0))
     off = np.abs(off - (off.max() + off.min()) / 2) / np.linalg.norm(lateral)
     apart = []

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from garmentq.core.body.builtin import builtin_body
 from garmentq.core.body.exposed import ExposedSurface
-from garmentq.core.garment.creases import turned_area
+from garmentq.core.garment.creases import mark_turned_faces, turned_area
 from garmentq.core.garment.garment import Garment
-from garmentq.core.garment.shown_sides import find_shown_sides, find_turned_faces_of, select_shown_faces
+from garmentq.core.garment.shown_sides import find_shown_sides, select_shown_faces
 from garmentq.core.garment.templates import load_template
 from garmentq.core.geometry.geometry import vertex_normals
 from garmentq.core.geometry.surface import TriangleSurface
@@ -31,7 +31,7 @@ def shirt() -> Garment:
 @pytest.fixture(scope="module")
 def outside(shirt: Garment) -> Target:
     """Return what a scanner shows of it from outside: the fall, and the shirt but for what lies below that."""
-    turned = find_turned_faces_of(shirt)
+    turned = mark_turned_faces(shirt)
     over = TriangleSurface(shirt.nodes, shirt.faces[turned])
     below = over.distance(shirt.nodes[shirt.faces].mean(axis=1)) < 0.01
     faces = np.concatenate([shirt.faces[~turned & ~below], shirt.faces[turned][:, ::-1]])
@@ -41,7 +41,7 @@ def outside(shirt: Garment) -> Target:
 
 def test_sides_follow_what_a_scan_shows(shirt: Garment, outside: Target) -> None:
     """Breaks where a garment that was scanned on both sides loses its stand, or a fused surface keeps it."""
-    turned, nodes = find_turned_faces_of(shirt), shirt.nodes
+    turned, nodes = mark_turned_faces(shirt), shirt.nodes
     both = find_shown_sides(shirt, TriangleSurface(nodes, shirt.faces), vertex_normals(nodes, shirt.faces))
     assert (both == 1).all()
     assert np.array_equal(select_shown_faces(shirt.faces, both), shirt.faces)
@@ -60,7 +60,7 @@ def test_a_fall_is_fitted_by_its_inner_side(shirt: Garment, outside: Target) -> 
     assert neck is None or not neck.trusted
     lower = shirt.at(shirt.nodes + np.array([0.0, -0.004, 0.006]))
     fitted = deform(lower, target, ExposedSurface.of(BODY))
-    turned = shirt.faces[find_turned_faces_of(shirt)]
+    turned = shirt.faces[mark_turned_faces(shirt)]
     off = TriangleSurface(shirt.nodes, turned).distance(fitted.nodes[np.unique(turned)])
     assert np.sqrt((off**2).mean()) < 0.007  # 5 mm; drawn to the border 8, with the wrong side 23
     assert fitted.flipped_faces[1] == fitted.self_intersecting_faces[1] == 0

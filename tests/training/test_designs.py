@@ -5,6 +5,7 @@ from collections import Counter
 import numpy as np
 import pytest
 from garmentq.core.body.template import load_template
+from garmentq.core.garment.creases import mark_turned_faces
 from garmentq.core.garment.measures import BodyMeasures
 from garmentq.core.garment.parts.cut import Collar, Front, Hood, HoodWorn
 from garmentq.core.garment.templates import draft_template
@@ -93,7 +94,7 @@ def test_collars_stay_turned_in_a_pose(wearer, monkeypatch, parts, part, pose):
     one, layer, body = wear(wearer, monkeypatch, parts, part, pose)
     assert layer.part is part
     vertices, faces = layer.mesh
-    is_turned = np.repeat(one.is_turned, 4)
+    is_turned = np.repeat(mark_turned_faces(one.garment), 4)
     assert len(faces) == len(is_turned)
     middles, worn = vertices[faces].mean(axis=1), faces[~is_turned]
     assert (TriangleSurface(vertices, worn).heights(middles[is_turned]) > 0.0).mean() > 0.8

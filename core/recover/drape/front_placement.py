@@ -1,4 +1,4 @@
-"""Hold the edges of a front that is worn open where a scan shows them: nothing in a pattern says how far it is open."""
+"""Find where the edges of a front that is worn open are held: a scan shows how far it is open, a pattern does not."""
 
 from __future__ import annotations
 
@@ -29,16 +29,15 @@ def pin_front(garment: Garment, target: Target, body: Body) -> Pins | None:
         target: The scan, its contours named.
         body: The wearer.
     """
-    ours = [garment.contour(name) for name in FRONT_EDGES]
-    seen = [target.contour(name) for name in FRONT_EDGES]
-    if any(one is None for one in ours) or any(one is None or not one.trusted for one in seen):
+    ours = [one for name in FRONT_EDGES if (one := garment.contour(name)) is not None]
+    seen = [one for name in FRONT_EDGES if (one := target.contour(name)) is not None and one.trusted]
+    if len(ours) < len(FRONT_EDGES) or len(seen) < len(FRONT_EDGES):
         return None
-    curves = [made.curve(target.vertices) for made in seen if made is not None]
+    curves = [one.curve(target.vertices) for one in seen]
     nodes, points = [], []
-    lateral = (body.joint("left_shoulder") - body.joint("right_shoulder")) * (1.0, 0.0, 1.0)
+    lateral = body.sideways("shoulder")
     lateral = lateral / np.linalg.norm(lateral)
     for own, curve, other, side in zip(ours, curves, curves[::-1], (0.5, -0.5), strict=True):
-        assert own is not None
         arc = own.curve(garment.nodes).arc
         place, opposite = curve.at_shares(arc / arc[-1]), other.at_shares(1.0 - arc / arc[-1])
         gap = 2.0 * side * ((place - opposite) @ lateral)

@@ -184,7 +184,7 @@ def _pose_garment(
     if waist is not None and target is not None:
         nodes[waist] = place_waist(nodes[waist], target, flat_lengths(garment, waist))
     elif target is not None and target.contour(FRONT_EDGES[0]) is not None:
-        front = pin_front(garment.at(nodes, name_contours(nodes, garment.faces, body)[0]), target, body)
+        front = pin_front(garment.at(nodes, name_worn_contours(garment, nodes, body)), target, body)
         if front is not None:
             nodes, pinned = place_pinned(nodes, front), front.nodes
     if pinned is not None and target is not None:

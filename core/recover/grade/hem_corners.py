@@ -95,7 +95,7 @@ def find_hem_share(contour: Contour, target: Target, body: Body) -> HemShare | N
     if len(corners) != 2:
         return None
     first, second = sorted(edge.places[corners])
-    lateral = (body.joint("left_hip") - body.joint("right_hip")) * (1.0, 0.0, 1.0)
+    lateral = body.sideways("hip")
     forward, sideways = edge.points @ np.cross(lateral, (0.0, 1.0, 0.0)), edge.points @ lateral
     if abs(np.diff(sideways[corners])) < abs(np.diff(forward[corners])):
         return None

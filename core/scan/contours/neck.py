@@ -47,8 +47,7 @@ def unroll_neck(points: np.ndarray, body: Body) -> NeckLines | None:
         body: The wearer; its joints define left, right and front.
     """
     loop = smooth_loop(points, NECK_SMOOTHING_LENGTH)
-    lateral = body.joint("left_shoulder") - body.joint("right_shoulder")
-    lateral = lateral * (1.0, 0.0, 1.0)
+    lateral = body.sideways("shoulder")
     size = float(np.linalg.norm(lateral))
     if size < 1e-6:
         return None

@@ -80,7 +80,7 @@ def name_slit(contour: str, bay: np.ndarray, body: Body) -> SlitName | None:
     if contour not in ("neck", "hem"):
         return None
     part, joint = ("shoulder", "neck") if contour == "neck" else ("hip", "pelvis")
-    lateral = (body.joint(f"left_{part}") - body.joint(f"right_{part}")) * (1.0, 0.0, 1.0)
+    lateral = body.sideways(part)
     lateral = lateral / np.linalg.norm(lateral)
     off, high = bay - body.joint(joint), np.ptp(bay[:, 1])
     aside, ahead = off @ lateral, off @ np.cross(lateral, (0.0, 1.0, 0.0))
