@@ -49,6 +49,9 @@ LEGS = {"straight": (0.69, 0.62), "tapered": (0.65, 0.52), "flared": (0.66, 0.83
 KNEE = 0.35
 """Share of the way from thigh to hem, which GarmentCode draws straight, that a leg's width has gone at the knee."""
 
+COLLARS = {"collar=turtleneck": "Turtle", "hood=two,hood_worn=up": "Hood2Panels"}
+"""GarmentCode's collars by our parts."""
+
 A_LINE = 1.085
 """Flare from which a narrow skirt is called A-line: half of what our A-line has from hip to hem, 1.17."""
 
@@ -69,6 +72,14 @@ def draw_top(design: dict, chance: random.Random, sleeve: str) -> dict[str, str]
     arm["end_width"]["v"] = chance.uniform(0.5, 0.8) if sleeve == "long" else chance.uniform(0.8, 1.1)
     arm["connecting_width"]["v"] = chance.uniform(0.2, 0.6)
     return {"neckline": neck, "sleeve": sleeve, "darts": str(design["meta"]["upper"]["v"] == "FittedShirt").lower()}
+
+
+def draw_collar(design: dict, parts: str) -> None:
+    """Sew a collar to a top, whose neck is round and close to the body's then."""
+    collar = design["collar"]
+    collar["component"]["style"]["v"] = COLLARS[parts]
+    collar["f_collar"]["v"], collar["width"]["v"] = NECKS["crew"], 0.1
+    collar["fc_depth"]["v"] = 0.35
 
 
 def draw_skirt(design: dict, chance: random.Random) -> dict[str, str]:
@@ -137,6 +148,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=SEED, help="of the first garment; each has the next one")
     parser.add_argument("--body", type=Path, help="measures by foreign_body.py; GarmentCode's own woman without")
     parser.add_argument("--draft", action="append", choices=tuple(ORDER), help="a category; may be repeated")
+    parser.add_argument("--parts", choices=tuple(COLLARS), help="what is sewn to a top's neck")
     given = parser.parse_args()
     assets = given.garmentcode / "assets"
     categories = given.draft or [category for category, count in ORDER.items() for _ in range(count)]
@@ -147,6 +159,8 @@ def main() -> None:
             body[girth] = (EASE if given.body else FILE_EASE) * body[girth]
         design = yaml.safe_load((assets / "design_params" / "default.yaml").read_text())["design"]
         parts = draw(category, seed, design)
+        if given.parts:
+            draw_collar(design, given.parts)
         if parts.get("sleeve") == "long" and not given.body:
             body["arm_length"] = ARM
         name = f"{category}_{seed}"

@@ -1,6 +1,6 @@
 """Recover what nobody has looked at: garments and dressed persons that a seed draws, made by other programs.
 
-    make unseen SEED=n COUNT=k [AGAINST=commit] [GARMENTCODE=path] BLENDER=python
+    make unseen SEED=n COUNT=k [FINISHED=1] [AGAINST=commit] [GARMENTCODE=path] BLENDER=python
 
 Even targets are one garment, scanned with noise and holes, its wearer known; odd ones are dressed persons, scanned
 whole without labels. Each is recovered with its maker's base pattern and with the library alone. What is made and run
@@ -24,7 +24,7 @@ from bench_runs import MODES, Job, find_version, run_jobs
 from changed_tree import ROOT
 from compare import add_options, compare_versions
 from garmentq.core.run.errors import GarmentqError
-from unseen_draw import draw_target
+from unseen_draw import draw_target, finish
 from unseen_packs import Tools, Unusable, make_pack
 from unseen_table import describe_targets, format_set
 from unseen_wearer import name_source
@@ -43,11 +43,13 @@ class Draw:
         seed: Of all targets.
         out: Where they are kept.
         tools: Who drafts and drapes.
+        finished: Whether each target wears a top with a front, a collar or a hood, `FINISHES`.
     """
 
     seed: int
     out: Path
     tools: Tools
+    finished: bool = False
 
     @property
     def programs(self) -> tuple[str, ...]:
@@ -68,6 +70,7 @@ class Draw:
         told: dict[str, Any] = {"name": None, "not_made": []}
         for attempt in range(ATTEMPTS):
             target = draw_target(self.seed, index, self.programs, self.solvers, attempt)
+            target = finish(target) if self.finished else target
             try:
                 if not (self.out / "packs" / target.name).is_dir():
                     make_pack(target, self.out / "packs", self.tools)
@@ -95,6 +98,7 @@ def main() -> None:
         "--garmentcode-python", default=sys.executable, help="Python that has what GarmentCode asks for"
     )
     parser.add_argument("--mode", action="append", choices=tuple(MODES), help="may be repeated; both without")
+    parser.add_argument("--finished", action="store_true", help="tops with fronts, collars and hoods, and plain ones")
     parser.add_argument("--packs-only", action="store_true", help="make the targets, recover nothing")
     add_options(parser)
     given = parser.parse_args()
@@ -103,7 +107,7 @@ def main() -> None:
         given.blender, given.newton, given.garmentcode and given.garmentcode.resolve(), given.garmentcode_python
     )
     with ProcessPoolExecutor(given.processes) as pool:
-        drawn = list(pool.map(Draw(given.seed, given.out, tools).make, range(given.count)))
+        drawn = list(pool.map(Draw(given.seed, given.out, tools, given.finished).make, range(given.count)))
     packs = [given.out / "packs" / told["name"] for told in drawn if told["name"]]
     if given.packs_only:
         return

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from foreign_drapes import Cloth
@@ -38,6 +38,23 @@ HOLES, HOLE_RADII = 5, (0.01, 0.04)
 GARMENTCODE = 0.5
 """Share of the drafts that are GarmentCode's where its programs are given."""
 
+FINISHES = (
+    ("long_sleeve_tshirt", "own", "collar=shirt,front=buttons"),
+    ("long_sleeve_tshirt", "own", "collar=shirt,front=open"),
+    ("tshirt", "own", "collar=polo,front=placket"),
+    ("long_sleeve_tshirt", "garmentcode", "collar=turtleneck"),
+    ("long_sleeve_tshirt", "own", "collar=notched,front=buttons"),
+    ("tshirt", "garmentcode", ""),
+    ("long_sleeve_tshirt", "own", "collar=shawl,front=open"),
+    ("long_sleeve_tshirt", "own", "collar=stand,front=zip"),
+    ("tshirt", "garmentcode", "collar=turtleneck"),
+    ("long_sleeve_tshirt", "own", "hood=two,hood_worn=down,front=zip"),
+    ("long_sleeve_tshirt", "garmentcode", "hood=two,hood_worn=up"),
+    ("long_sleeve_tshirt", "garmentcode", ""),
+)  # fmt: skip
+"""Category, program and parts of finished tops, one for a garment and one for a person in turn: eleven kinds of fronts,
+collars and hoods, and two tops with none."""
+
 
 @dataclass(frozen=True)
 class Draft:
@@ -48,12 +65,14 @@ class Draft:
         program: `own` parts or `garmentcode`.
         seed: Of its design.
         role: As raw packs call it: `upper`, `lower`, `onepiece`.
+        parts: Of its front, collar and hood, `front=zip,collar=stand`; empty: those of the shipped cuts.
     """
 
     category: str
     program: str
     seed: int
     role: str
+    parts: str = ""
 
 
 @dataclass(frozen=True)
@@ -124,6 +143,26 @@ def draw_target(seed: int, index: int, programs: tuple[str, ...], solvers: tuple
     return Target(
         name, is_person, 10_000 * seed + 100 * attempt + index, tuple(drafts), pose, cloth, solver, noise, holes
     )
+
+
+def finish(target: Target) -> Target:
+    """Return a target whose top is one of `FINISHES`, by the index at its name's end; a person wears it over a lower
+    garment.
+
+    Args:
+        target: Of `draw_target`.
+    """
+    index = target.seed % 100
+    category, program, parts = FINISHES[index // 2 % len(FINISHES)]
+    top = Draft(category, program, target.seed, "upper", parts)
+    if not target.is_person:
+        name = f"garment_{target.seed}_{category}"
+        return replace(target, name=name, drafts=(replace(top, role="onepiece"),), cloth=target.cloth[:1])
+    lower = next((draft for draft in target.drafts if draft.role == "lower"), None)
+    rng = np.random.default_rng([REVISION, target.seed])
+    lower = lower or Draft(_choose(LOWERS, rng), "own", int(rng.integers(1, 2**20)), "lower")
+    cloth = (*target.cloth, *target.cloth)[:2]
+    return replace(target, name=f"person_{target.seed}_{category}", drafts=(lower, top), cloth=cloth)
 
 
 def _draw_outfit(rng: np.random.Generator) -> tuple[tuple[str, str], ...]:

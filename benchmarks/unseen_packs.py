@@ -36,6 +36,7 @@ from garmentq.core.scan.open3d_library import load_open3d
 from garmentq.training.accessories import bare_skin, draw_accessories
 from garmentq.training.cloth import tuck_under, wave_field
 from garmentq.training.colours import paint
+from garmentq.training.designs import name_finished
 from garmentq.training.persons import name_material
 from garmentq.training.scanner import Scanner, scan_person
 from garmentq.training.shards import Shard
@@ -168,7 +169,7 @@ def draft_garment(draft: Draft, rest: Body, out: Path, tools: Tools) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     if draft.program == "own":
         rng = np.random.default_rng(draft.seed)
-        name = draw_cut(draft.category, rng)
+        name = name_finished(draft.category, draft.parts) if draft.parts else draw_cut(draft.category, rng)
         hangs_from_waist = str(find_cut(name).bodice) == "none"
         for body, file in ((rest, "specification.json"), (builtin_body(MEAN_WEARER), "base.json")):
             measures = draw_measures(
@@ -189,6 +190,7 @@ def draft_garment(draft: Draft, rest: Body, out: Path, tools: Tools) -> Path:
 def _run_garmentcode(draft: Draft, out: Path, tools: Tools, *options: str) -> None:
     script = Path(__file__).with_name("foreign_draft.py")
     line = [tools.garmentcode_python, script, tools.garmentcode, out, "--seed", draft.seed, "--draft", draft.category]
+    line += ["--parts", draft.parts] if draft.parts else []
     environment = {"PYTHONPATH": str(tools.garmentcode), "PATH": "/usr/bin:/bin"}
     ran = subprocess.run([*map(str, line), *options], env=environment, capture_output=True, text=True, check=False)
     if ran.returncode:
@@ -302,7 +304,7 @@ def write_person(target: Target, body: Body, hung: list[Hung], folder: Path, tol
         near = cKDTree(shard.points[shard.label == part]).query(mesh.nodes)[0]
         np.savez_compressed(truth / f"garment_{one.draft.role}_aux.npz", visible=near < SEEN)
         _write_pattern(one, truth / f"pattern_{one.draft.role}.json", truth / f"base_{one.draft.role}.json")
-    garments = [{"role": one.draft.role, "category": one.draft.category} for one in hung]
+    garments = [{"role": one.draft.role, "category": one.draft.category, "parts": one.draft.parts} for one in hung]
     (truth / "garments.json").write_text(json.dumps(garments, indent=1))
     told |= {"kind": "raw scan", "scan_to_truth": np.eye(4).tolist(), "scanner": asdict(scanner)}
     (folder / "meta.json").write_text(json.dumps(told, indent=1))

@@ -16,7 +16,9 @@ from garmentq.cli.bench.raw_packs import read_cover, read_raw_packs, read_true_l
 from garmentq.core.body.builtin import builtin_body
 from garmentq.core.cloth.fabrics import get_fabric
 from garmentq.core.garment.garmentcode_writer import save_pattern
-from unseen_draw import Draft, draw_targets
+from garmentq.core.garment.templates import find_cut
+from garmentq.training.designs import name_finished
+from unseen_draw import FINISHES, Draft, draw_targets, finish
 from unseen_packs import Hung, Tools, Unusable, make_pack, require_worn, write_garment, write_person
 from unseen_table import format_rows, measure_distances, measure_panels
 from unseen_wearer import pose_by_steps, pose_wearer
@@ -44,6 +46,20 @@ def test_all_that_is_worn_is_drawn():
         assert len(found) == 2 and min(found.values()) > 0.4 * sum(found.values())
     alone = draw_targets(3, 8, ("own",), ("blender",))
     assert {draft.program for one in alone for draft in one.drafts} == {"own"}, "who has no other program asks none"
+
+
+def test_each_finish_is_worn_once_alone_and_once_by_a_person():
+    """Breaks where a kind of front or collar is never measured, or a person is drawn with nothing below it."""
+    drawn = [finish(one) for one in draw_targets(9, 2 * len(FINISHES), ("own", "garmentcode"), ("blender",))]
+    tops = [(one.is_person, one.drafts[-1].category, one.drafts[-1].program, one.drafts[-1].parts) for one in drawn]
+    for is_person in (False, True):
+        assert [top[1:] for top in tops if top[0] == is_person] == list(FINISHES)
+    assert len({one.name for one in drawn}) == len(drawn)
+    for one in drawn:
+        assert [draft.role for draft in one.drafts] == (["lower", "upper"] if one.is_person else ["onepiece"])
+        assert len(one.cloth) == len(one.drafts)
+        if one.drafts[-1].program == "own":
+            find_cut(name_finished(one.drafts[-1].category, one.drafts[-1].parts))
 
 
 def test_a_wearer_takes_the_pose_by_steps():
