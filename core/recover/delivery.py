@@ -18,6 +18,7 @@ from ..judge.fit import Reference, measure_fit, measure_mesh
 from ..judge.gates import evaluate_gates
 from ..judge.patterns import measure_seams
 from ..judge.plausibility import measure_plausibility
+from ..judge.seen import find_seen_faces, measure_inferred_area
 from ..judge.wear import measure_sides, measure_upright, measure_wear
 from ..run.clock import Clock
 from ..run.finding import FindingKind
@@ -73,6 +74,9 @@ def deliver(case: Case, state: RecoveryState, clock: Clock, known: Metrics | Non
     messages = [one.message for kind in SHOWN_FINDING_KINDS for one in state.findings if one.kind is kind]
     warnings = (*omissions, *case.scan.repairs, *messages, *describe_cut_change(cut, state.template))
     manifest = describe(case, state) | {"cut": cut}
+    seen = find_seen_faces(garment, case.scan.surface)
+    shares = measure_inferred_area(garment, seen)
+    manifest["inferred"] = {name: round(share, 3) for name, share in shares.items()}
     for name, kind in MANIFEST_FINDING_KINDS.items():
         manifest[name] = [one.evidence for one in state.findings if one.kind is kind]
     found = Recovery(
@@ -90,6 +94,7 @@ def deliver(case: Case, state: RecoveryState, clock: Clock, known: Metrics | Non
         point_std=state.point_std,
         rotation=made(state.drape).rotation,
         pieces=pieces.pieces,
+        seen=seen,
     )
     is_finished = REDRAPE_MISSING not in metrics or settings.redrape != LATER
     return found if is_finished else UnfinishedRecovery(**vars(found), case=case, state=last)

@@ -89,6 +89,7 @@ class Recovery:
         point_std: Posterior standard deviation of the control points [m], shape [point_count, 2], or None.
         rotation: The rotation of cloth and wearer that was found, or None for cloth at rest.
         pieces: Numbers of each production piece; empty where none can be cut.
+        seen: Whether the scan shows each face of the detail mesh, bool, shape [face_count]; the others are inferred.
     """
 
     scan: Scan
@@ -105,3 +106,12 @@ class Recovery:
     point_std: np.ndarray | None = None
     rotation: SteadyRotation | None = None
     pieces: tuple[PieceNumbers, ...] = ()
+    seen: np.ndarray | None = None
+
+    @property
+    def inferred_nodes(self) -> np.ndarray:
+        """Return the nodes that no face which the scan shows has, bool, shape [node_count]."""
+        import numpy as np
+
+        shown = self.garment.faces if self.seen is None else self.garment.faces[self.seen]
+        return np.asarray(np.bincount(shown.ravel(), minlength=len(self.garment.nodes)) == 0)

@@ -32,6 +32,7 @@ STYLES = {
     "texture": "Texture",
     "normals": "Fold normals",
     "distance": "Distance from the scan",
+    "inferred": "Inferred, not scanned",
     "strain": "Stretch",
     "pressure": "Pressure",
 }

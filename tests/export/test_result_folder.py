@@ -18,6 +18,7 @@ from garmentq.core.cloth.fabric import FabricEstimate
 from garmentq.core.deliver.export.pattern_svg import pattern_svg
 from garmentq.core.deliver.export.report import report_html
 from garmentq.core.deliver.export.result import to_plain_json, write_recovery
+from garmentq.core.deliver.export.views import render_views
 from garmentq.core.garment.garmentcode import load_pattern
 from garmentq.core.geometry.surface import TriangleSurface
 from garmentq.core.judge.gates import evaluate_gates
@@ -118,6 +119,24 @@ def test_every_file_holds_what_was_recovered(tube_recovery, tmp_path: Path) -> N
     assert kept.fabric == recovery.fabric
     assert (tmp_path / "report.html").read_text() == report_html(recovery)
     assert (tmp_path / "pattern.svg").read_text() == pattern_svg(recovery.pattern)
+
+
+def test_what_the_scan_does_not_show_is_marked(tube_recovery, tmp_path: Path) -> None:
+    """Broken where inferred cloth is not marked in the meshes, or not coloured or counted in the report."""
+    whole = tube_recovery()
+    (first, *_), seen = whole.pattern.panels, np.ones(len(whole.garment.faces), dtype=bool)
+    seen[np.isin(whole.garment.faces, whole.garment.faces[0]).any(axis=1)] = False
+    report = replace(whole.report, manifest=whole.report.manifest | {"inferred": {first.name: 0.37}})
+    recovery = replace(whole, seen=seen, report=report)
+    assert recovery.inferred_nodes.sum() == 3
+    write_recovery(recovery, tmp_path)
+    marked = trimesh.load(tmp_path / "detail.ply", process=False).metadata["_ply_raw"]["vertex"]["data"]["inferred"]
+    assert np.array_equal(np.ravel(marked) == 1.0, recovery.inferred_nodes)
+    shown, without = (
+        [view.pictures["Distance, detail to scan"] for view in render_views(one)[0]] for one in (recovery, whole)
+    )
+    assert shown != without
+    assert "<td class=num>37</td>" in report_html(recovery)
 
 
 def test_a_simulation_mesh_is_written_where_there_is_one(tube_recovery, tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ from ...run.verdict import worst_verdict
 from .drawing import DRAWING_SCALE_DENOMINATOR, pattern_drawing
 from .page import page_html
 from .pieces_section import pieces_html
-from .views import ERROR_COLOUR_STOPS, render_views
+from .views import ERROR_COLOUR_STOPS, INFERRED_COLOUR, render_views
 
 VERDICTS = {
     "detail": {
@@ -183,9 +183,11 @@ def _pictures(recovery: Recovery) -> str:
         f"rgb({r * 255:.0f} {g * 255:.0f} {b * 255:.0f}) {at:.0%}" for at, (r, g, b) in ERROR_COLOUR_STOPS
     )
     ticks = "".join(f"<span>{format_number(end * part / 4)}{' mm' if part == 4 else ''}</span>" for part in range(5))
+    slate = " ".join(f"{part * 255:.0f}" for part in INFERRED_COLOUR)
     bar = (
         f'<div class="colours"><div class="bar" style="background:linear-gradient(90deg, {stops})"></div>'
-        f'<div class="ticks">{ticks}</div></div>'
+        f'<div class="ticks">{ticks}</div><p class="hint"><span style="color:rgb({slate})">&#9632;</span> not shown by '
+        "the scan: inferred</p></div>"
     )
     grid = f'<div class="pictures">{"".join(rows)}</div>'
     return f'<section style="--columns:{len(heads)}"><h2>Fit</h2>{grid}{bar}{_meshes(recovery)}</section>'
@@ -221,17 +223,19 @@ def _gates(recovery: Recovery) -> str:
 
 def _pattern(recovery: Recovery) -> str:
     rows = []
+    inferred = recovery.report.manifest.get("inferred", {})
     for panel in recovery.pattern.panels:
         outline = panel_outline(panel)
         width, height = outline.max(axis=0) - outline.min(axis=0)
         around = sum(edge_length(panel, index) for index in range(len(panel.edges)))
         rows.append(
             f"<tr><td>{escape(panel.name)}</td><td class=num>{width * 100:.1f} × {height * 100:.1f}</td>"
-            f"<td class=num>{around * 100:.1f}</td><td class=num>{panel_area(panel) * 1e4:.0f}</td></tr>"
+            f"<td class=num>{around * 100:.1f}</td><td class=num>{panel_area(panel) * 1e4:.0f}</td>"
+            f"<td class=num>{100.0 * inferred.get(panel.name, 0.0):.0f}</td></tr>"
         )
     head = (
         "<tr><th>Panel</th><th class=num>Width × height [cm]</th><th class=num>Perimeter [cm]</th>"
-        "<th class=num>Area [cm²]</th></tr>"
+        "<th class=num>Area [cm²]</th><th class=num>Inferred [%]</th></tr>"
     )
     return (
         f'<section class="page"><h2>Pattern</h2><p class="hint">Drawn 1:{DRAWING_SCALE_DENOMINATOR} when printed at '

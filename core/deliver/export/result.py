@@ -30,9 +30,10 @@ def write_recovery(recovery: Recovery, folder: Path) -> list[Path]:
 
     Returns:
         The files: graded.ply, detail.ply, detail.obj, detail.glb, simulation.ply and redrape.ply (if the method makes
-            them; each .ply with the `distance` [m] of each vertex from the scan), scan.ply (as it was read), body.ply,
-            body_joints.json, pattern.json, pattern.svg, fit.json (likewise), metrics.json, manifest.json, worn.npz,
-            report.html. Of a scan with colours scan.ply has them, and detail.ply the scan's colour at each vertex.
+            them; each .ply with the `distance` [m] of each vertex from the scan, and 1 as `inferred` where that does
+            not show it), scan.ply (as it was read), body.ply, body_joints.json, pattern.json, pattern.svg, fit.json
+            (likewise), metrics.json, manifest.json, worn.npz, report.html. Of a scan with colours scan.ply has them,
+            and detail.ply the scan's colour at each vertex.
     """
     folder.mkdir(parents=True, exist_ok=True)
     files: list[Path] = []
@@ -41,6 +42,7 @@ def write_recovery(recovery: Recovery, folder: Path) -> list[Path]:
     )
     for name, nodes in recovery.meshes:
         faces, apart = recovery.garment.faces, {"distance": recovery.scan.surface.distance(nodes)}
+        apart["inferred"] = recovery.inferred_nodes.astype(float)
         shades = colour_vertices(nodes, faces, coloured) if coloured and name == "detail" else None
         files.append(write_ply(nodes, faces, folder / f"{name}.ply", apart, shades))
         files += write_meshes(recovery.garment, nodes, folder, name, ("obj", "glb")) if name == "detail" else []

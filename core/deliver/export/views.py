@@ -35,6 +35,9 @@ ERROR_COLOUR_STOPS = (
 )
 """Fractions and colours of the error map's scale, RGB in 0..1; readable in print and without red-green vision."""
 
+INFERRED_COLOUR = np.array([0.42, 0.46, 0.62])
+"""Colour of cloth that the scan does not show, RGB in 0..1: slate, which the error map's scale does not have."""
+
 MIN_ERROR_RANGE_MM = 5.0
 """Smallest upper end of the colour bar [mm]; below it a scanner's noise would look like an error."""
 
@@ -62,16 +65,20 @@ def render_views(recovery: Recovery) -> tuple[tuple[View, ...], float]:
     scan, body, faces = recovery.scan, recovery.body, recovery.garment.faces
     distance = scan.surface.distance(recovery.meshes.detail)
     millimetres = 1e3 * distance
-    end = float(np.ceil(max(MIN_ERROR_RANGE_MM, float(np.quantile(millimetres, 0.99)))))
+    inferred = recovery.inferred_nodes
+    shown = millimetres if inferred.all() else millimetres[~inferred]
+    end = float(np.ceil(max(MIN_ERROR_RANGE_MM, float(np.quantile(shown, 0.99)))))
     person = ColouredMesh(body.vertices, body.faces, SKIN_COLOUR)
     scanned = ColouredMesh(scan.vertices, scan.faces, SCAN_COLOUR if scan.colours is None else scan.colours)
     result = ColouredMesh(recovery.meshes.detail, faces, CLOTH_COLOUR)
-    error = ColouredMesh(recovery.meshes.detail, faces, error_colours(np.minimum(millimetres / end, 1.0)))
-    shown = {"Scan": scanned, "Detail mesh": result, "Distance, detail to scan": error}
+    shades = error_colours(np.minimum(millimetres / end, 1.0))
+    shades[inferred] = INFERRED_COLOUR
+    error = ColouredMesh(recovery.meshes.detail, faces, shades)
+    surfaces = {"Scan": scanned, "Detail mesh": result, "Distance, detail to scan": error}
     if recovery.meshes.simulation is not None:
-        shown["Simulation mesh"] = ColouredMesh(recovery.meshes.simulation, faces, DRAPE_COLOUR)
+        surfaces["Simulation mesh"] = ColouredMesh(recovery.meshes.simulation, faces, DRAPE_COLOUR)
     if recovery.meshes.redraped is not None:
-        shown["Dressed anew from the pattern"] = ColouredMesh(recovery.meshes.redraped, faces, REDRAPE_COLOUR)
+        surfaces["Dressed anew from the pattern"] = ColouredMesh(recovery.meshes.redraped, faces, REDRAPE_COLOUR)
     both = np.concatenate([recovery.target.vertices, recovery.meshes.detail])
     low, high = both.min(axis=0), both.max(axis=0)
     aspect = (high[1] - low[1]) / max(float(np.hypot(high[0] - low[0], high[2] - low[2])), 1e-6)
@@ -80,6 +87,6 @@ def render_views(recovery: Recovery) -> tuple[tuple[View, ...], float]:
     for title, turn in (("Front", np.eye(3)), ("Back", np.diag([-1.0, 1.0, -1.0]))):
         camera = aim_camera(both, turn @ body.heading, REPORT_VIEW_WIDTH_PX, height)
         wearer = Canvas.empty(camera).with_meshes([person])
-        pictures = {name: png_base64(wearer.with_meshes([surface]).shade()) for name, surface in shown.items()}
+        pictures = {name: png_base64(wearer.with_meshes([surface]).shade()) for name, surface in surfaces.items()}
         views.append(View(title, pictures))
     return tuple(views), end

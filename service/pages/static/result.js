@@ -11,8 +11,8 @@ import { Viewer, colourOf, linearOf, paint } from './viewer.js';
 const COLOURS = { detail: 0x6694bd, simulation: 0x7aa894, redrape: 0xb89e75, graded: 0x9a8fc0, dressed: 0x6694bd, under: 0xb89e75, 'upper/dressed': 0x7aa894, 'outer/dressed': 0xb89e75, garment: 0x6694bd, body: 0xe6d9cc, scan: 0x9ea8b3, person: 0x9ea8b3 };
 
 /** Ends of the colours where the values themselves do not tell: the report's least range [m], 10 % of stretch, 3 kPa. */
-const LEAST = { distance: 0.005, strain: 0.1, pressure: 3000 };
-const UNITS = { distance: (value) => `${(1000 * value).toFixed(1)} mm`, strain: (value) => `${(100 * value).toFixed(0)} % longer`, pressure: (value) => `${(value / 1000).toFixed(1)} kPa` };
+const LEAST = { distance: 0.005, inferred: 1, strain: 0.1, pressure: 3000 };
+const UNITS = { distance: (value) => `${(1000 * value).toFixed(1)} mm`, inferred: () => 'inferred', strain: (value) => `${(100 * value).toFixed(0)} % longer`, pressure: (value) => `${(value / 1000).toFixed(1)} kPa` };
 
 const place = find('#result');
 const job = place.getAttribute('data-job');
@@ -76,7 +76,7 @@ const texture = () => meshes.get('detail')?.colours ?? null;
 /** @param {string} style @returns {boolean} whether the result has what colours its cloth so */
 function isColouredBy(style) {
   if (style === 'texture') return Boolean(texture());
-  return !(style in LEAST) || [...meshes.keys()].some((name) => !BESIDE.has(name) && (style === 'strain' && garment ? true : valuesOf(style, name)));
+  return !(style in LEAST) || [...meshes.keys()].some((name) => !BESIDE.has(name) && (style === 'strain' && garment ? true : valuesOf(style, name)?.some(Boolean)));
 }
 
 /** Colour the cloth as chosen, with what the colours mean. */
