@@ -23,8 +23,11 @@ from garmentq.core.scan.open3d_library import load_open3d
 MOVED = 1e-12
 """Standard deviation by which a scan is moved to see what rounding does to a recovery [m]."""
 
-MODES: Mapping[str, tuple[str, ...]] = {"base": (), "library": ("--library",)}
-"""Options of the bench by which base pattern is given: the maker's, or none, so that the library's are taken."""
+MODES: Mapping[str, tuple[str, ...]] = {
+    "base": (), "library": ("--library",), "preview": ("--library", "--method", "deform"),
+}  # fmt: skip
+"""Options of the bench by which base pattern is given: the maker's, or none, so that the library's are taken; and
+without a fit through the simulator."""
 
 Line = dict[str, Any]
 

@@ -97,7 +97,9 @@ def main() -> None:
     parser.add_argument(
         "--garmentcode-python", default=sys.executable, help="Python that has what GarmentCode asks for"
     )
-    parser.add_argument("--mode", action="append", choices=tuple(MODES), help="may be repeated; both without")
+    parser.add_argument(
+        "--mode", action="append", choices=tuple(MODES), help="may be repeated; without: base, library"
+    )
     parser.add_argument("--finished", action="store_true", help="tops with fronts, collars and hoods, and plain ones")
     parser.add_argument("--packs-only", action="store_true", help="make the targets, recover nothing")
     add_options(parser)
@@ -112,7 +114,7 @@ def main() -> None:
     if given.packs_only:
         return
     version = find_version(None, given.out)
-    modes = given.mode or tuple(MODES)
+    modes = given.mode or ("base", "library")
     jobs = {mode: [Job(version, pack, mode) for pack in packs] for mode in modes}
     lines = run_jobs([job for mode in modes for job in jobs[mode]], given.out, given.processes)
     told = [

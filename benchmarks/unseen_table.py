@@ -13,19 +13,23 @@ from bench_compare import list_verdicts
 from bench_runs import Job
 from foreign_panels import compare_pieces, join_halves
 from garmentq.core.garment.garmentcode import load_pattern
+from garmentq.core.garment.parts.cut import Cut, Hood
+from garmentq.core.garment.templates import find_cut
 from garmentq.core.geometry.geometry import face_areas
 from garmentq.core.geometry.surface import TriangleSurface
+from garmentq.core.scan.contours.target import TOP_CATEGORIES
+from garmentq.training.designs import name_finished
 
 Line = Mapping[str, Any]
 
 GARMENT_COLUMNS = (
-    "target", "found", "detail s2t", "t2s", "simulation t2s", "re-drape t2s", "area %", "outline", "CPU s", "MB",
-    "gates",
+    "target", "front, collar", "found", "detail s2t", "t2s", "simulation t2s", "re-drape t2s", "area %",
+    "outline", "CPU s", "MB", "gates",
 )  # fmt: skip
 
 PERSON_COLUMNS = (
-    "target", "true", "outcome", "found", "cloth IoU", "body, cloth", "bare", "s2t", "t2s", "area %", "outline",
-    "CPU s", "MB",
+    "target", "front, collar", "true", "outcome", "found", "cloth IoU", "body, cloth", "bare", "s2t", "t2s",
+    "area %", "outline", "CPU s", "MB", "gates",
 )  # fmt: skip
 
 
@@ -53,11 +57,31 @@ def measure_panels(ours: Path, drafted: Path) -> tuple[float | None, float | Non
     )
 
 
+def compare_finish(pack: Path, found: str | None) -> str | None:
+    """Return what is sewn to the neck and centre front of a target's top, true and found, `shirt, open; shirt, open`.
+
+    Args:
+        pack: Its folder.
+        found: Name of the cut that was recovered, or None.
+    """
+    draft = json.loads((pack / "meta.json").read_text())["drawn"]["drafts"][-1]
+    if found is None or draft["category"] not in TOP_CATEGORIES:
+        return None
+    drawn = name_finished(draft["category"], draft.get("parts", ""))
+    return "; ".join(describe_finish(find_cut(name)) for name in (drawn, found))
+
+
+def describe_finish(cut: Cut) -> str:
+    """Return the collar or hood and the front of a cut."""
+    worn = f"hood {cut.hood_worn}" if cut.hood is not Hood.NONE else f"{cut.collar}"
+    return f"{worn}, {cut.front}"
+
+
 def describe_garment(job: Job, line: Line, out: Path) -> list[object]:
     """Return the cells of a garment."""
     words, name = list_verdicts(line), job.pack.name
     if line["error"] is not None:
-        return [name, words["outcome"], *[None] * 6, line["cpu_seconds"], line["peak_mb"], "refused"]
+        return [name, None, words["outcome"], *[None] * 6, line["cpu_seconds"], line["peak_mb"], "refused"]
     result = out / job.place / "result" / name
     truth = job.pack / "truth.ply"
     detail = measure_distances(result / "detail.ply", truth)
@@ -66,7 +90,8 @@ def describe_garment(job: Job, line: Line, out: Path) -> list[object]:
         for kind in ("simulation", "redrape")
     ]
     panels = measure_panels(result / "pattern.json", job.pack / "drafted.json")
-    return [name, line["cut"], *detail, *others, *panels, line["cpu_seconds"], line["peak_mb"], words["gates"]]
+    finish = compare_finish(job.pack, line["cut"])
+    return [name, finish, line["cut"], *detail, *others, *panels, line["cpu_seconds"], line["peak_mb"], words["gates"]]
 
 
 def describe_person(job: Job, line: Line, out: Path) -> list[object]:
@@ -83,12 +108,24 @@ def describe_person(job: Job, line: Line, out: Path) -> list[object]:
             area, outline = measure_panels(ours, drafted)
             sums["area"].append(area)
             sums["outline"].append(outline)
+    manifest, found = out / job.place / "result" / job.pack.name / "upper" / "manifest.json", None
+    if manifest.exists():
+        found = json.loads(manifest.read_text()).get("cut")
     outcome = line["error"]["code"] if line["error"] else f"{line['outcome']} {line['problem'] or ''}".strip()
     return [
-        job.pack.name, ", ".join(line["true_outfit"]), outcome, ", ".join(line["outfit"]), labels.get("cloth_iou"),
+        job.pack.name, compare_finish(job.pack, found), ", ".join(line["true_outfit"]), outcome,
+        ", ".join(line["outfit"]), labels.get("cloth_iou"),
         *((body.get(kind) or {}).get("mean_mm") for kind in ("covered", "bare")), *map(_mean, sums.values()),
-        line["cpu_seconds"], line["peak_mb"],
+        line["cpu_seconds"], line["peak_mb"], "; ".join(describe_gates(one) for one in line["garments"]),
     ]  # fmt: skip
+
+
+def describe_gates(garment: Line) -> str:
+    """Return a garment of a person, and the gates that do not pass or its error's code."""
+    if garment.get("error"):
+        return f"{garment['part']}: {garment['error']['code']}"
+    failed = ", ".join(f"{name} {verdict}" for name, verdict in garment.get("verdicts", {}).items())
+    return f"{garment['part']}: {failed or 'pass'}"
 
 
 def _mean(values: Iterable[float | None]) -> float | None:
