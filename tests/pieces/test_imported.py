@@ -17,26 +17,9 @@ from garmentq.core.garment.pieces.joining import join_halves
 from garmentq.core.garment.pieces.make import make_pieces
 from garmentq.core.garment.pieces.marks import find_gathered_runs
 from garmentq.core.garment.templates import load_draped_template, load_template
+from garmentq_pieces import imported
 
 NOTCHED_LENGTH = 0.12
-
-
-def imported(name, names=None):
-    """Return a template as a stranger's file gives it: without labels and this program's notes."""
-    document = write_pattern(load_template(name))
-    del document["properties"]["garmentq"]
-    body = document["pattern"]
-    for panel in body["panels"].values():
-        panel.pop("label", None)
-        for edge in panel["edges"]:
-            edge.pop("label", None)
-    body.pop("panel_order", None)
-    if names:
-        body["panels"] = {names.get(key, key): value for key, value in body["panels"].items()}
-        for stitch in body["stitches"]:
-            for side in stitch:
-                side["panel"] = names.get(side["panel"], side["panel"])
-    return read_pattern(document, name)
 
 
 CJK = {

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...garment.meshing import points_in_polygon
+from ...garment.pieces.instructions import list_sewing_steps
 from ...garment.pieces.layout import lay_on_cloth
 from ...garment.pieces.piece import EdgeUse, PieceSet
 from ...garment.pieces.trueing import describe_trueing
@@ -144,18 +145,10 @@ def list_notes(pieces: PieceSet) -> list[str]:
 
 
 def list_steps(pieces: PieceSet) -> list[str]:
-    """Return the seams in the order of sewing, a line for each step."""
-    lines = ["Sewing order"]
-    for step in sorted({seam.step for seam in pieces.seams}):
-        seams = [seam for seam in pieces.seams if seam.step == step]
-        first = seams[0]
-        names = " to ".join(dict.fromkeys(pieces.pieces[side[0].piece].name for side in first.sides))
-        lengths = first.lengths
-        long = f"{100 * lengths[0]:.1f} cm"
-        if first.gathered:
-            long = f"{100 * max(lengths):.1f} gathered to {100 * min(lengths):.1f} cm"
-        lines.append(f"{step} {keep_latin(names)}, {long}" + (f", {len(seams)} x" if len(seams) > 1 else ""))
-    return lines
+    """Return the steps of sewing in order, a line each."""
+    return ["Sewing order"] + [
+        f"{number} {keep_latin(step.describe(), 200)}" for number, step in enumerate(list_sewing_steps(pieces), 1)
+    ]
 
 
 def _column(x: float, y: float, lines: list[str], most: int, width: float) -> str:

@@ -178,7 +178,7 @@ def keep_ascii(text: str) -> str:
     return "".join(letter if " " <= letter <= "~" else "?" for letter in text)[:60]
 
 
-def keep_latin(text: str) -> str:
-    """Return a user's text on one line in letters of Windows-1252, those of a PDF, at most 60; others become `?`."""
+def keep_latin(text: str, most: int = 60) -> str:
+    """Return a user's text on one line in letters of Windows-1252, a PDF's, at most `most`; others become `?`."""
     plain = text.encode("cp1252", "replace").decode("cp1252", "replace")
-    return "".join(letter if letter.isprintable() else "?" for letter in plain)[:60]
+    return "".join(letter if letter.isprintable() else "?" for letter in plain)[:most]

@@ -177,10 +177,12 @@ class SeamWalk:
     """Describe one seam as it is sewn.
 
     Attributes:
+        name: That of its step, as a tailor says it: `shoulder seam`; no two steps have one name.
         step: Its number in the sewing order, from 1; mirrored seams, left and right, have one step.
         sides: The edges of each side, in order from the seam's start to its end.
         lengths: Length of each side on the sew line [m].
         gathered: True where one side is longer by intent.
+        is_paired: True where its step has one like it on the other side of the wearer.
     """
 
     name: str
@@ -188,6 +190,7 @@ class SeamWalk:
     sides: tuple[tuple[PieceSide, ...], tuple[PieceSide, ...]]
     lengths: tuple[float, float]
     gathered: bool
+    is_paired: bool = False
 
 
 @dataclass(frozen=True)
@@ -224,6 +227,7 @@ class PieceSet:
         seams: The seams, in the order in which they are sewn.
         missing: What a wearable garment needs beside net panels, one line each.
         trued: Each line that was not smooth where it crosses a seam.
+        is_stretchy: Whether the cloth stretches as a knit does.
     """
 
     name: str
@@ -233,3 +237,4 @@ class PieceSet:
     seams: tuple[SeamWalk, ...]
     missing: tuple[str, ...]
     trued: tuple[TruedLine, ...] = ()
+    is_stretchy: bool = False
