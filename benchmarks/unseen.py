@@ -97,9 +97,7 @@ def main() -> None:
     parser.add_argument(
         "--garmentcode-python", default=sys.executable, help="Python that has what GarmentCode asks for"
     )
-    parser.add_argument(
-        "--mode", action="append", choices=tuple(MODES), help="may be repeated; without: base, library"
-    )
+    parser.add_argument("--mode", action="append", choices=tuple(MODES), help="may be repeated; without: base, library")
     parser.add_argument("--finished", action="store_true", help="tops with fronts, collars and hoods, and plain ones")
     parser.add_argument("--packs-only", action="store_true", help="make the targets, recover nothing")
     add_options(parser)

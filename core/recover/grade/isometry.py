@@ -24,7 +24,7 @@ from .grading import is_sound, move_pattern
 from .pattern_parameters import PatternParameters
 from .proportion import Proportions, find_proportions
 from .registration import match_surface
-from .seen_seams import SeenSeam, find_seen_seams
+from .seen_seams import SeenSeam, find_coloured_seams, find_seen_seams
 
 if TYPE_CHECKING:
     from ...cloth.block_pattern import BlockPattern
@@ -64,8 +64,8 @@ class IsometrySettings:
         start_cost_hidden: Weight of it relative to the cloth's at nodes that a hanging arm hides where a sleeve begins,
             or beside them; if not 0 these follow their panels, for a drape sags in the armpit, and lengths from there
             are wrong.
-        seam_scale: Distance of a seam's node from its seen place (`find_seen_seams`) that costs as a strain of 1 [m];
-            0: off.
+        seam_scale: Distance of a seam's node from its seen place that costs as a strain of 1 [m].
+        by_curvature: Whether seams are also seen by curvature (`find_seen_seams`), not by colours alone.
     """
 
     vertices: int = 1000
@@ -87,11 +87,12 @@ class IsometrySettings:
     start_cost: float = 0.0
     start_cost_band: float = 0.0
     start_cost_hidden: float = 0.0
-    seam_scale: float = 0.0
+    seam_scale: float = 0.005
+    by_curvature: bool = False
 
     def by_newton(self, curves: bool = False) -> IsometrySettings:
         """Return the settings for Gauss-Newton steps, the handles of curves free or not."""
-        return replace(self, newton=True, curves=curves, reach=10.0, proportion=0.0003, seam_scale=0.005)
+        return replace(self, newton=True, curves=curves, reach=10.0, proportion=0.0003, by_curvature=True)
 
 
 @dataclass(frozen=True)
@@ -200,13 +201,14 @@ class Isometry:
         hidden[on_border] = loose[on_border] = False
         hidden &= ~loose
         free = PatternParameters.of(base, settings.curves)
+        curved = find_seen_seams(garment, target, body) if settings.by_curvature else ()
         coupled, (slots,) = BlockPattern.of(len(garment.nodes), garment.faces)
         return cls(
             goal=TriangleSurface(target.vertices, target.faces),
             hidden=hidden,
             loose=loose,
             borders=tuple(borders),
-            seams=find_seen_seams(garment, target, body) if settings.seam_scale else (),
+            seams=(*curved, *find_coloured_seams(garment, target)),
             strain=strain,
             free=free,
             proportions=find_proportions(base),
@@ -311,8 +313,8 @@ class Isometry:
         pulled = np.einsum("vij,vj->vi", ties, offset)
         for seam in self.seams:
             stiff = mass[seam.nodes] / chosen.seam_scale**2
-            ties[seam.nodes] += stiff[:, None, None] * np.outer(seam.normal, seam.normal)
-            pulled[seam.nodes] -= (stiff * seam.distance(nodes))[:, None] * seam.normal
+            ties[seam.nodes] += stiff[:, None, None] * seam.normals[:, :, None] * seam.normals[:, None]
+            pulled[seam.nodes] -= (stiff * seam.distance(nodes))[:, None] * seam.normals
         return mass, ties, pulled
 
     def _solve_pattern(self, pattern: Pattern, matrix: np.ndarray, right: np.ndarray, area: float) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Find seams whose place on a smooth surface only the curvature of the cloth shows."""
+"""Find seams whose place on a smooth surface the curvature or the colours of the cloth show."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from ...body.body import Body
 from ...garment.garment import Garment
 from ...garment.pattern import EdgeRef
 from ...scan.contours.target import Target
+from .colour_seams import find_colour_steps
 from .parts import find_armhole_pairs
 from .shoulder_points import find_shoulder_points
 from .trunk_curvature import TrunkCurvature
@@ -18,21 +19,37 @@ from .waist_seam import find_waist_line, is_waist_seam
 
 @dataclass(frozen=True)
 class SeenSeam:
-    """Describe nodes of a seam and the plane in which the cloth shows them.
+    """Describe nodes of a seam and the plane in which the cloth shows each.
 
     Attributes:
         nodes: Their indices, shape [n].
-        normal: Of the plane, shape [3].
-        offset: Of the plane along its normal [m].
+        normals: Unit normals of the planes, shape [n, 3].
+        offsets: Of the planes along their normals [m], shape [n].
     """
 
     nodes: np.ndarray
-    normal: np.ndarray
-    offset: float
+    normals: np.ndarray
+    offsets: np.ndarray
+
+    @classmethod
+    def in_plane(cls, nodes: np.ndarray, normal: np.ndarray, offset: float) -> SeenSeam:
+        """Return nodes that are seen in one plane."""
+        return cls(nodes, np.tile(normal, (len(nodes), 1)), np.full(len(nodes), offset))
 
     def distance(self, nodes: np.ndarray) -> np.ndarray:
-        """Return the distance of its nodes from the plane [m], given all nodes [m]; shape [n]."""
-        return np.asarray(nodes[self.nodes] @ self.normal - self.offset)
+        """Return the distances of its nodes from their planes [m], given all nodes [m]; shape [n]."""
+        return np.asarray((nodes[self.nodes] * self.normals).sum(axis=1) - self.offsets)
+
+
+def find_coloured_seams(garment: Garment, target: Target) -> tuple[SeenSeam, ...]:
+    """Find the nodes of a drafted garment's seams at whose place the target's colours change.
+
+    Args:
+        garment: The mesh, nodes on the target.
+        target: The scan's surface.
+    """
+    steps = find_colour_steps(garment, target).values()
+    return tuple(SeenSeam(one.nodes, one.across, (one.places * one.across).sum(axis=1)) for one in steps)
 
 
 def find_seen_seams(garment: Garment, target: Target, body: Body) -> tuple[SeenSeam, ...]:
@@ -56,7 +73,7 @@ def find_seen_seams(garment: Garment, target: Target, body: Body) -> tuple[SeenS
     line = find_waist_line(cloth) if waist else None
     if line is not None:
         nodes = np.unique(garment.uv_node[np.concatenate([garment.edge_uv[ref] for ref in waist])])
-        found.append(SeenSeam(nodes[line.is_seen_at(garment.nodes[nodes])], line.normal, line.offset))
+        found.append(SeenSeam.in_plane(nodes[line.is_seen_at(garment.nodes[nodes])], line.normal, line.offset))
     points = find_shoulder_points(cloth) if armholes else None
     if points is not None:
         ends = np.unique([_nodes_of_points(garment)[list(pair)] for pairs in armholes for pair in pairs])
@@ -65,7 +82,7 @@ def find_seen_seams(garment: Garment, target: Target, body: Body) -> tuple[SeenS
             on_side = sign * across > 0.0
             top = ends[on_side][int(np.argmax(up[on_side]))]
             offset = float(cloth.origin @ cloth.axes[0] + place[0])
-            found.append(SeenSeam(np.array([top]), cloth.axes[0], offset))
+            found.append(SeenSeam.in_plane(np.array([top]), cloth.axes[0], offset))
     return tuple(found)
 
 

@@ -87,6 +87,7 @@ def segment_garment(scan: Scan, body: Body) -> Target:
         category=choose_category(contours, scan.vertices, body),
         origin=None if scan is full else thinned.origin,
         hidden=mark_hidden_border(scan.faces, scan.hidden, contours),
+        colours=scan.colours,
     )
 
 

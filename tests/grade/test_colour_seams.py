@@ -1,0 +1,98 @@
+"""A seam between two colours is found where they change, and nothing else is taken for one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from garmentq.core.garment.garment import Garment
+from garmentq.core.garment.templates import load_draped_template
+from garmentq.core.geometry.geometry import vertex_normals
+from garmentq.core.geometry.surface import TriangleSurface
+from garmentq.core.recover.grade.colour_seams import SEARCH_STEP, find_colour_steps, find_steps
+from garmentq.core.recover.grade.seen_seams import find_coloured_seams
+from garmentq.core.scan.contours.target import Target
+
+RED, BLUE = np.array([0.7, 0.1, 0.1]), np.array([0.1, 0.2, 0.6])
+
+NOISE = 0.05
+"""Standard deviation of a camera's colours in 0..1."""
+
+
+@pytest.fixture(scope="module")
+def shirt() -> Garment:
+    """Return a T-shirt as it hangs on the built-in body."""
+    garment = load_draped_template("tshirt")
+    if garment is None:
+        pytest.skip("no drape is shipped for this machine's triangulation")
+    return garment
+
+
+def refine(garment: Garment) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return a garment's surface with four faces for each, and the panel of each vertex."""
+    nodes, faces, panel = garment.nodes, garment.faces, garment.panel_of_face
+    for _ in range(2):
+        a, b, c = faces.T
+        edges = np.sort(np.concatenate([[a, b], [b, c], [c, a]], axis=1), axis=0)
+        unique, place = np.unique(edges, axis=1, return_inverse=True)
+        ab, bc, ca = (len(nodes) + place.ravel()).reshape(3, -1)
+        nodes = np.concatenate([nodes, nodes[unique].mean(axis=0)])
+        faces = np.concatenate([np.stack(t, 1) for t in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))])
+        panel = np.tile(panel, 4)
+    of_vertex = np.zeros(len(nodes), dtype=np.int64)
+    of_vertex[faces] = panel[:, None]
+    return nodes, faces, of_vertex
+
+
+def paint(garment: Garment, beyond: float, rng: np.random.Generator) -> Target:
+    """Return a shirt's surface, its sleeves blue from a distance outwards of the armholes [m] on, else red."""
+    vertices, faces, panel = refine(garment)
+    is_sleeve = np.array(["sleeve" in one.name for one in garment.pattern.panels])
+    body = TriangleSurface(garment.nodes, garment.faces[~is_sleeve[garment.panel_of_face]])
+    blue = is_sleeve[panel] & (body.distance(vertices) > beyond)
+    colours = np.where(blue[:, None], BLUE, RED) + NOISE * rng.normal(size=(len(vertices), 3))
+    normals = vertex_normals(vertices, faces)
+    return Target(vertices, faces, normals, (), (), "tshirt", colours=np.clip(colours, 0.0, 1.0))
+
+
+@pytest.mark.parametrize("beyond", [0.0, 0.015])
+def test_armholes_are_where_the_colours_change(shirt: Garment, beyond: float) -> None:
+    """Breaks where a seam between two colours is not found, found beside it, or found at another seam too."""
+    target = paint(shirt, beyond, np.random.default_rng(3))
+    steps = find_colour_steps(shirt, target)
+    assert {(line.name, line.side) for line in steps} == {("armhole seam", side) for side in ("left", "right")}
+    is_sleeve = np.array(["sleeve" in one.name for one in shirt.pattern.panels])
+    body = TriangleSurface(shirt.nodes, shirt.faces[~is_sleeve[shirt.panel_of_face]])
+    for step in steps.values():
+        off = body.distance(step.places) - beyond
+        assert np.median(np.abs(off)) < 0.004 and step.is_at(shirt.nodes, 0.01) == (beyond == 0.0)
+    seams = find_coloured_seams(shirt, target)
+    apart = np.concatenate([seam.distance(shirt.nodes) for seam in seams])
+    assert np.median(np.abs(apart)) == pytest.approx(beyond, abs=0.005)
+
+
+def test_plain_and_printed_cloth_shows_no_seam(shirt: Garment) -> None:
+    """Breaks where noise, shades or a print of dots pass for a seam."""
+    rng = np.random.default_rng(4)
+    target = paint(shirt, 1.0, rng)
+    assert find_colour_steps(shirt, target) == {}
+    dots = (np.sin(target.vertices * 200.0).prod(axis=1) > 0.1)[:, None]
+    assert find_colour_steps(shirt, replace(target, colours=np.where(dots, RED, BLUE))) == {}
+    shades = 0.6 + 0.2 * target.normals[:, 2:]
+    assert find_colour_steps(shirt, replace(target, colours=shades * RED + 0.02)) == {}
+    assert find_colour_steps(shirt, replace(target, colours=None)) == {}
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_steps_of_rows_are_found(seed: int) -> None:
+    """Breaks where a row's own step is that of all rows, or a row without a step gets one."""
+    rng = np.random.default_rng(seed)
+    places = rng.integers(12, 30, 25)
+    colours = np.where((np.arange(41) < places[:, None])[:, :, None], RED, BLUE)
+    colours = colours + NOISE * rng.normal(size=colours.shape)
+    colours[7] = RED + NOISE * rng.normal(size=(41, 3))
+    found, is_seen = find_steps(colours, np.ones((25, 41), dtype=bool))
+    assert not is_seen[7] and is_seen.sum() == 24
+    assert np.abs(found - places + 0.5)[is_seen].max() <= 1.0
+    assert 0.001 <= SEARCH_STEP <= 0.005
