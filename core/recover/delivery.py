@@ -12,10 +12,12 @@ import numpy as np
 from ..garment.contour_edges import name_open_edges
 from ..garment.pieces.numbers import measure_pieces
 from ..judge.contour_shape import measure_contour_shapes
+from ..judge.edge_lengths import find_length_differences
 from ..judge.estimates import summarise_estimates
 from ..judge.fairness import measure_fairness
 from ..judge.fit import Reference, measure_fit, measure_mesh
 from ..judge.gates import evaluate_gates
+from ..judge.line_intervals import measure_intervals
 from ..judge.patterns import measure_seams
 from ..judge.plausibility import measure_plausibility
 from ..judge.seen import find_seen_faces, measure_inferred_area
@@ -27,6 +29,7 @@ from ..scan.contours.body_mismatch import find_misfit_warnings
 from ..scan.contours.target import mark_hidden_border
 from .case import Case
 from .grade.cut_name import describe_cut_change, name_recovered
+from .line_evidence import find_line_evidence
 from .recovery import Recovery
 from .settings import LATER
 from .state import RecoveryState, made
@@ -72,11 +75,13 @@ def deliver(case: Case, state: RecoveryState, clock: Clock, known: Metrics | Non
         if case.request.template is None:
             cut = name_recovered(garment.pattern, cut, state.body, settings.chosen_parts)
     messages = [one.message for kind in SHOWN_FINDING_KINDS for one in state.findings if one.kind is kind]
-    warnings = (*omissions, *case.scan.repairs, *messages, *describe_cut_change(cut, state.template))
-    manifest = describe(case, state) | {"cut": cut}
     seen = find_seen_faces(garment, case.scan.surface)
-    shares = measure_inferred_area(garment, seen)
-    manifest["inferred"] = {name: round(share, 3) for name, share in shares.items()}
+    lines = measure_intervals(garment.pattern, find_line_evidence(garment, case.scan_target, state.body, seen))
+    hanging = made(state.meshes).drape_on_scan
+    messages += find_length_differences(garment, hanging, case.scan_target, lines)
+    warnings = (*omissions, *case.scan.repairs, *messages, *describe_cut_change(cut, state.template))
+    manifest = describe(case, state) | {"cut": cut, "lines": [line.describe() for line in lines]}
+    manifest["inferred"] = {name: round(share, 3) for name, share in measure_inferred_area(garment, seen).items()}
     for name, kind in MANIFEST_FINDING_KINDS.items():
         manifest[name] = [one.evidence for one in state.findings if one.kind is kind]
     found = Recovery(

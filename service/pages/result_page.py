@@ -150,8 +150,22 @@ def _draw_known(rooms: AppState, job: JobReport) -> Html:
     if not job.garment:
         return html('<section class="card">{}</section>', checks) if job.warnings or job.gates else Html()
     fabric = draw_fabric(job.fabric, read_json(rooms, job.id, "fit.json"))
-    both = '<div class="pair"><section class="card">{}</section><section class="card">{}</section></div>'
-    return html(both, fabric, checks)
+    both = '<div class="pair"><section class="card">{}</section><section class="card">{}</section></div>{}'
+    return html(both, fabric, checks, _draw_lines(read_json(rooms, job.id, "manifest.json")))
+
+
+def _draw_lines(manifest: Any) -> Html:
+    """Return the section on how sure the pattern's lines are; nothing where the manifest has none."""
+    from ...core.judge.line_intervals import describe_margins  # imports numpy: not at every start
+
+    lines = manifest.get("lines") if isinstance(manifest, dict) else None
+    if not lines:
+        return Html()
+    rows = join(
+        html('<tr><td>{}</td><td class="number">{}</td><td>{}</td></tr>', *describe_margins(one)) for one in lines
+    )
+    head = html("<tr><th>Seam or edge</th><th>Length</th><th>Place on the cloth</th></tr>")
+    return html('<section class="card"><h2>How sure</h2><table>{}{}</table></section>', head, rows)
 
 
 def _draw_files(rooms: AppState, job: JobReport, files: Sequence[Artifact], visitor: Visitor) -> Html:

@@ -12,6 +12,7 @@ import numpy as np
 from ...cloth.fabric import FabricEstimate
 from ...garment.curves import edge_length, panel_area, panel_outline
 from ...judge.gates import Product, product_of
+from ...judge.line_intervals import describe_margins
 from ...recover.recovery import Recovery
 from ...run.verdict import worst_verdict
 from .drawing import DRAWING_SCALE_DENOMINATOR, pattern_drawing
@@ -237,12 +238,18 @@ def _pattern(recovery: Recovery) -> str:
         "<tr><th>Panel</th><th class=num>Width × height [cm]</th><th class=num>Perimeter [cm]</th>"
         "<th class=num>Area [cm²]</th><th class=num>Inferred [%]</th></tr>"
     )
+    lines = "".join(
+        f"<tr><td>{escape(name)}</td><td class=num>{escape(length)}</td><td>{escape(place)}</td></tr>"
+        for name, length, place in map(describe_margins, recovery.report.manifest.get("lines", []))
+    )
+    heads = "<tr><th>Seam or edge</th><th class=num>Length</th><th>Place on the cloth</th></tr>"
+    known = f"<table>{heads}{lines}</table>" if lines else ""
     return (
         f'<section class="page"><h2>Pattern</h2><p class="hint">Drawn 1:{DRAWING_SCALE_DENOMINATOR} when printed at '
         "full size, net lines without seam allowance. "
         "Edges of one colour and number are sewn together; dark edges stay open. Lengths: cm. "
         f'pattern.svg holds the same at true scale.</p><div class="sheet">{pattern_drawing(recovery.pattern)}</div>'
-        f"<table>{head}{''.join(rows)}</table></section>"
+        f"<table>{head}{''.join(rows)}</table>{known}</section>"
     )
 
 
@@ -262,18 +269,12 @@ def _fabric(recovery: Recovery) -> str:
             f"<td><span class='badge {'pass' if each.identifiable else 'open'}'>{certainty}</span></td>"
             f"<td class=num>{text}</td><td>{_draw_posterior(each)}</td><td>{escape(each.note)}</td></tr>"
         )
-    points = ""
-    if recovery.point_std is not None:
-        mean, most = 1e3 * recovery.point_std.mean(), 1e3 * recovery.point_std.max()
-        points = (
-            f" Control points are known to {mean:.1f} mm on average, {most:.1f} mm at worst (one standard deviation)."
-        )
     head = "<tr><th>Parameter</th><th></th><th class=num>Value</th><th>Known from the drape</th><th>How</th></tr>"
     return (
         "<section><h2>Fabric</h2><p class='hint'>A drape at rest fixes only ratios to the cloth's weight; values hold "
         f"for {1e3 * recovery.fabric.density:.0f} g/m². Nearest named fabrics: "
         f"{escape(', '.join(recovery.nearest_fabrics))}."
-        f"{points}</p><table>{head}{''.join(rows)}</table></section>"
+        f"</p><table>{head}{''.join(rows)}</table></section>"
     )
 
 

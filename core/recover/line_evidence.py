@@ -1,0 +1,53 @@
+"""Find what decides where each line of a recovered pattern is."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..body.body import Body
+from ..garment.garment import Garment
+from ..garment.pieces.pattern_lines import PatternLine, list_lines
+from ..judge.line_intervals import Evidence
+from ..scan.contours.target import Target
+from .grade.colour_seams import find_colour_steps
+from .grade.seen_seams import find_seen_seams
+
+SEEN_SEAM_DISTANCE = 0.01
+"""Distance from where curvature or colours show a seam within which it lies there [m]: a seam's allowance."""
+
+MIN_SEEN_SHARE = 0.5
+"""Share of a line's nodes from which what is true of them is true of it [1]."""
+
+
+def find_line_evidence(
+    garment: Garment, target: Target, body: Body, seen: np.ndarray
+) -> tuple[tuple[PatternLine, Evidence], ...]:
+    """Return the lines of a garment's pattern, and what decides where each is.
+
+    Args:
+        garment: The recovered garment, its nodes on the scan [m].
+        target: The scan's surface, its contours named.
+        body: The wearer.
+        seen: Whether the scan shows each face, bool, shape [face_count].
+    """
+    shown = np.bincount(garment.faces[seen].ravel(), minlength=len(garment.nodes)) > 0
+    by_curvature = np.zeros(len(garment.nodes), dtype=bool)
+    for seam in find_seen_seams(garment, target, body):
+        by_curvature[seam.nodes[np.abs(seam.distance(garment.nodes)) < SEEN_SEAM_DISTANCE]] = True
+    steps = find_colour_steps(garment, target)
+    ends = {contour.name: contour for contour in target.contours}
+    found = []
+    for line in list_lines(garment.pattern):
+        nodes = line.find_nodes(garment)
+        evidence = Evidence.PROPORTION
+        if line.is_open:
+            end = ends.get(garment.pattern.panel(line.edges[0].panel).edges[line.edges[0].edge].contour)
+            evidence = Evidence.EDGE if end is not None and end.trusted and not end.hidden else Evidence.HIDDEN
+        elif shown[nodes].mean() < MIN_SEEN_SHARE:
+            evidence = Evidence.HIDDEN
+        elif line in steps and steps[line].is_at(garment.nodes, SEEN_SEAM_DISTANCE):
+            evidence = Evidence.COLOUR
+        elif by_curvature[nodes].mean() > MIN_SEEN_SHARE:
+            evidence = Evidence.CURVATURE
+        found.append((line, evidence))
+    return tuple(found)
