@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 import click
 
+from ..core.run.units import UNITS
 from .options import home_option, json_option
 from .output import NewFile, writing
 
@@ -90,9 +93,10 @@ def show_command(name: str, home: Path | None, as_json: bool) -> None:
 @command.command("import")
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--name", required=True, help="Name of the template.")
+@click.option("--units", type=click.Choice(tuple(UNITS)), help="Unit of the file's numbers, where it claims another.")
 @home_option
 @json_option
-def import_command(file: Path, name: str, home: Path | None, as_json: bool) -> None:
+def import_command(file: Path, name: str, units: str | None, home: Path | None, as_json: bool) -> None:
     """Import a GarmentCode or NeuralTailor pattern file as a template.
 
     \b
@@ -103,7 +107,11 @@ def import_command(file: Path, name: str, home: Path | None, as_json: bool) -> N
 
     from .terminal import print_json, print_note
 
-    found = _open(home).import_template(name, file)
+    if units is None:
+        found = _open(home).import_template(name, file)
+    else:
+        with TemporaryDirectory() as folder:
+            found = _open(home).import_template(name, _write_with_units(file, units, Path(folder)))
     if as_json:
         print_json(asdict(found))
     else:
@@ -143,6 +151,17 @@ def export_command(name: str, out: Path, home: Path | None) -> None:
     with writing(out):
         save_pattern(pattern, out)
     click.echo(str(out))
+
+
+def _write_with_units(file: Path, units: str, folder: Path) -> Path:
+    """Write a pattern file with another unit into a folder, under its name, and return the copy."""
+    from ..core.garment.garmentcode import parse_document, read_bytes
+    from ..core.garment.pattern_units import set_units
+
+    document = set_units(parse_document(read_bytes(file)), units)
+    copy = folder / file.name
+    copy.write_text(json.dumps(document), encoding="utf-8")
+    return copy
 
 
 def _list_parts() -> dict[str, list[str]]:

@@ -59,6 +59,12 @@ class PatternUnitsMissing(PatternFault):
     code = "pattern.units_missing"
 
 
+class PatternUnitsUnclear(PatternFault):
+    """The pattern is too small or too large for a garment in its file's unit; say the unit with --units."""
+
+    code = "pattern.units_unclear"
+
+
 class PatternValueBad(PatternFault):
     """A value in the pattern file has the wrong type or is out of range."""
 

@@ -35,6 +35,7 @@ from .json_values import get_index, get_list, get_number, get_object, get_text, 
 from .numbering import Numbering, renumber
 from .orientation import agree_orientation, mirror_panel
 from .pattern import Edge, EdgeRef, Panel, Pattern, Seam
+from .pattern_units import check_pattern_units
 from .validity import check_outline
 
 __all__ = ["load_pattern", "read_pattern", "save_pattern", "write_pattern"]
@@ -135,6 +136,8 @@ def read_numbered(
         found[panel_name] = own_numbers
         numbers[panel_name] = {old: new for new, old in enumerate(own_numbers.edges)}
         unknown[panel_name] = rest
+    if not extension:
+        check_pattern_units(panels, properties)
     seams = _read_seams(get_list(body.get("stitches", []), "pattern.stitches"), numbers)
     extra = {
         "units_in_meter": properties["units_in_meter"],
