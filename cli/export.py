@@ -42,7 +42,7 @@ def production_options(function: Callable[..., Any]) -> Callable[..., Any]:
         click.option("--dialect", type=click.Choice(DIALECTS), help="Dialect of DXF.  [default: aama]"),
         click.option(
             "--allowance",
-            help="Seam allowances [mm]: seam=10,hem=25, a file with these, or none.  [default: usual]",
+            help="Seam allowances: 15mm, 5/8in, seam=10,hem=1in, a file of these, or none.  [default: usual]",
         ),
         click.option("--paper", help="a4, letter, a3, a0, roll, or roll:WIDTH in mm.  [default: a4]"),
         click.option("--fold", is_flag=True, help="Draw symmetric pieces as halves on the fold."),

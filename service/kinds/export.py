@@ -12,7 +12,7 @@ from ..jobs import Claim
 from ..models import JobRow
 from .dress import GARMENTS
 from .dress_request import RESULT
-from .export_request import ExportRequest, add_scan
+from .export_request import ExportRequest, add_day, add_scan
 from .kind import Kind, Outcome, RunContext
 from .rows import add_metrics, add_pieces, summarise
 
@@ -39,8 +39,8 @@ class Export(Kind):
     reads = MappingProxyType({RESULT: GARMENTS})
 
     def adopt(self, session: Session, request: dict[str, Any], row: JobRow) -> dict[str, Any]:
-        """Return the request with the result's scan, if the format uses its colours."""
-        return add_scan(session, request, row)
+        """Return the request with the result's day, and its scan if the format uses its colours."""
+        return add_day(add_scan(session, request, row), row)
 
     def run(self, request: ExportRequest, work: RunContext, hooks: Hooks) -> ExportResult:
         """Write the files."""
@@ -52,7 +52,8 @@ class Export(Kind):
         clock = Clock(hooks)
         with clock.stage("write", f"writing {request.format}") as stage_hooks:
             scan = None if request.scan is None else work.files / "scan" / request.scan.name
-            production = Production(load_worn(work.inputs[RESULT]), request, work.inputs[RESULT], scan, stage_hooks)
+            worn, made = load_worn(work.inputs[RESULT]), request.made
+            production = Production(worn, request, work.inputs[RESULT], scan, stage_hooks, made)
             write_production(production, work.out)
             pieces = production.pieces
         return ExportResult(pieces, ResultReport.of(clock, {}, (), pieces.missing, {}))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from typing import Any
 
 from sqlalchemy import select
@@ -23,9 +24,11 @@ class ExportRequest(ExportOptions):
 
     Attributes:
         scan: The scan of the result, or the reading of a garment of a person; the service adds it for `COLOURED`.
+        made: Day on which the result was made, for the titles of printed files; the service adds it.
     """
 
     scan: FileRef | None = None
+    made: str = ""
 
 
 def find_scan(session: Session, row: JobRow) -> dict[str, Any] | None:
@@ -44,6 +47,17 @@ def find_scan(session: Session, row: JobRow) -> dict[str, Any] | None:
         select(ArtifactRow.sha256).where(ArtifactRow.job.in_(person.scalar_subquery()), named)
     ).one_or_none()
     return None if key is None else {"sha256": key, "name": READING}
+
+
+def add_day(request: dict[str, Any], row: JobRow) -> dict[str, Any]:
+    """Return a request with the day on which the result was ordered, in UTC.
+
+    Raises:
+        RequestBad: if the request itself names a day.
+    """
+    if "made" in request:
+        raise RequestBad("the day of an export is that of its result; leave it out.")
+    return request | {"made": datetime.fromtimestamp(row.created, UTC).date().isoformat()}
 
 
 def add_scan(session: Session, request: dict[str, Any], row: JobRow) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 import functools
 import io
 import zipfile
+from xml.etree import ElementTree
 
 import ezdxf
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 import shapely
 from garmentq.core.deliver.formats.dialects import DIALECTS_BY_NAME
 from garmentq.core.deliver.formats.dxf import Block, dxf_text, rule_text, write_archive
+from garmentq.core.deliver.formats.flat_dxf import FLAT_SHEET_WIDTH, flat_text
 from garmentq.core.deliver.formats.layered_svg import pieces_svg
 from garmentq.core.deliver.formats.options import ExportOptions
 from garmentq.core.deliver.formats.papers import find_paper
@@ -30,6 +32,7 @@ from garmentq_pieces import SLIT_CUTS, TEMPLATES, pieces_of
 from pypdf import PdfReader
 from shapely import LineString, Point, Polygon
 
+BLOCK_DIALECTS = [name for name in DIALECTS if name != "flat"]
 NAMES = [info.name for info in list_templates()]
 POINT = 72.0 / 25.4
 
@@ -38,7 +41,7 @@ POINT = 72.0 / 25.4
 def drawing_of(name, dialect, fold=False):
     """Read back a template's DXF; fold as asked."""
     pieces = pieces_of(name, fold=fold)
-    text = dxf_text(pieces, [Block(p, p.name, "BASE") for p in pieces.pieces], DIALECTS_BY_NAME[dialect])
+    text = dxf_text(pieces, [Block(p, p.name, "BASE") for p in pieces.cut_pieces], DIALECTS_BY_NAME[dialect])
     return text, ezdxf.read(io.StringIO(text, newline=None))
 
 
@@ -53,14 +56,14 @@ def outline_of(block, layer, dialect):
     return to_metres([v.dxf.location for v in line.vertices], dialect), line.is_closed
 
 
-@pytest.mark.parametrize("dialect", DIALECTS)
+@pytest.mark.parametrize("dialect", BLOCK_DIALECTS)
 @pytest.mark.parametrize(
     "name", ["tshirt", SLIT_CUTS[0], *(pytest.param(n, marks=pytest.mark.nightly) for n in NAMES[5:10])]
 )
 def test_dxf_says_what_the_pieces_are(name, dialect):
     """Broken where a reader finds other outlines, notches beside vertices or outwards, or a record too much."""
     text, drawing = drawing_of(name, dialect)
-    rule, pieces = DIALECTS_BY_NAME[dialect], pieces_of(name).pieces
+    rule, pieces = DIALECTS_BY_NAME[dialect], pieces_of(name).cut_pieces
     audit = drawing.audit()
     assert not audit.errors and not audit.fixes
     assert text.isascii() and max(map(len, text.splitlines())) <= 255
@@ -97,7 +100,14 @@ def test_dxf_says_what_the_pieces_are(name, dialect):
             assert max(np.abs(both - corner).max(axis=1).min() for corner in corners) < step
         (grain,) = [e for e in block.query("LINE") if e.dxf.layer == "7"]
         along = np.array(grain.dxf.end - grain.dxf.start)[:2]
-        assert abs(along[0 if not rule.grain_along_x else 1]) < 1e-9
+        assert piece.is_bias or abs(along[0 if not rule.grain_along_x else 1]) < 1e-9
+    placed = []
+    for insert in drawing.modelspace().query("INSERT"):
+        points, _ = outline_of(drawing.blocks.get(insert.dxf.name), 1, rule)
+        placed.append(Polygon(points + to_metres([insert.dxf.insert], rule)[0]))
+    assert not any(one.intersects(other) for k, one in enumerate(placed) for other in placed[:k])
+    texts = [to_metres([text.dxf.insert], rule)[0] for text in drawing.modelspace().query("TEXT")]
+    assert texts and not any(one.contains(Point(text)) for one in placed for text in texts)
 
 
 def sum_edges(piece):
@@ -106,13 +116,15 @@ def sum_edges(piece):
 
 def test_each_dialect_keeps_its_own_rule():
     """Broken where a dialect writes what its reader is known not to take."""
-    texts = {name: drawing_of("tshirt", name)[0] for name in DIALECTS}
-    assert "AC1006" in texts["clo"] and not any("$ACADVER" in texts[name] for name in DIALECTS if name != "clo")
+    texts = {name: drawing_of("tshirt", name)[0] for name in BLOCK_DIALECTS}
+    assert "AC1006" in texts["clo"] and not any("$ACADVER" in texts[name] for name in BLOCK_DIALECTS if name != "clo")
     assert "UNITS: ENGLISH" in texts["gerber"] and "Piece Name: FRONT" in texts["gerber"]
-    assert all("UNITS: METRIC" in texts[name] for name in DIALECTS if name != "gerber")
+    assert all("UNITS: METRIC" in texts[name] for name in BLOCK_DIALECTS if name != "gerber")
     assert "D6673-10" in texts["astm"] and "CURVE TOLERANCE" in texts["astm"]
     assert "SAMPLE SIZE: BASE" in texts["richpeace"] and "PIECE NAME" not in texts["richpeace"]
-    layers = {name: {e.dxf.layer for block in drawing_of("tshirt", name)[1].blocks for e in block} for name in DIALECTS}
+    layers = {
+        name: {e.dxf.layer for block in drawing_of("tshirt", name)[1].blocks for e in block} for name in BLOCK_DIALECTS
+    }
     assert "84" in layers["astm"] and "82" in layers["richpeace"] and "19" not in layers["optitex"]
     assert not layers["seamly"] & {"2", "3", "14"} and "8" in layers["seamly"]
     assert all("TABLES" not in text.splitlines() for text in texts.values())
@@ -212,7 +224,7 @@ def test_path_coordinates_are_the_cut_lines():
     paths = [
         line.split("d ", 1)[1] for line in text.splitlines() if line.startswith("0.35 w [] 0 d") and line.endswith(" s")
     ]
-    assert len(paths) == len(pieces.pieces)
+    assert len(paths) == len(pieces.cut_pieces)
     for path, outline in zip(paths, sheet.outlines, strict=True):
         numbers = np.array([float(word) for word in path.split() if word not in "mls"]).reshape(-1, 2)
         assert np.abs(numbers - 1e3 * outline).max() < 0.01
@@ -223,7 +235,7 @@ def test_path_coordinates_are_the_cut_lines():
 def test_texts_lie_within_their_pieces(name):
     """Broken where a label sticks out of its piece, is under 5 mm, or covers a notch."""
     sheet = arrange_pieces(pieces_of(name), 1.4)
-    for texts, piece, shift in zip(sheet.texts, sheet.pieces.pieces, sheet.shifts, strict=True):
+    for texts, piece, shift in zip(sheet.texts, sheet.pieces.cut_pieces, sheet.shifts, strict=True):
         assert texts, piece.name
         net = Polygon(flatten_outline(piece.net)[0] + shift)
         for text in texts:
@@ -231,6 +243,40 @@ def test_texts_lie_within_their_pieces(name):
             box = shapely.box(x - text.width / 2, y, x + text.width / 2, y + text.size)
             assert text.size >= 0.005 and box.within(net)
             assert not any(box.intersects(Point(notch.point + shift)) for notch in piece.notches)
+
+
+@pytest.mark.parametrize("name", ["tshirt", "jumpsuit", SLIT_CUTS[0]])
+def test_a_flat_drawing_has_a_layer_for_each_tool(name):
+    """Broken where a laser would burn a sew line, pieces lie upon each other, or a drawing program finds blocks, other
+    areas, notches elsewhere, or grainlines that are not upright."""
+    pieces = pieces_of(name)
+    drawing = ezdxf.read(io.StringIO(flat_text([("", pieces)]), newline=None))
+    audit = drawing.audit()
+    assert not audit.errors and not audit.fixes
+    assert {layer.dxf.name: layer.dxf.color for layer in drawing.layers} | {"0": 7} == {
+        "0": 7, "CUT": 1, "SEW": 5, "MARK": 3, "TEXT": 7,
+    } | {layer.dxf.name: layer.dxf.color for layer in drawing.layers if layer.dxf.name == "Defpoints"}  # fmt: skip
+    space = drawing.modelspace()
+    assert {entity.dxftype() for entity in space} == {"POLYLINE", "TEXT"}
+    lines = {
+        layer: [1e-3 * np.array([v.dxf.location for v in line.vertices])[:, :2] for line in space.query("POLYLINE")
+                if line.dxf.layer == layer]
+        for layer in ("CUT", "SEW", "MARK")
+    }  # fmt: skip
+    cut = [Polygon(points) for points in lines["CUT"]]
+    assert [one.area for one in cut] == pytest.approx([Polygon(p.cut.points).area for p in pieces.cut_pieces], rel=1e-4)
+    assert not any(one.intersects(other) for k, one in enumerate(cut) for other in cut[:k])
+    shifts = arrange_pieces(pieces, FLAT_SHEET_WIDTH).shifts
+    starts = np.array([line[0] for line in lines["MARK"]])
+    for piece, shift in zip(pieces.cut_pieces, shifts, strict=True):
+        for notch in piece.notches:
+            assert np.linalg.norm(starts - notch.point - shift, axis=1).min() < 1e-6
+        grain = piece.grain + shift
+        (drawn,) = [line for line in lines["MARK"] if len(line) == 2 and np.abs(line - grain).max() < 1e-6]
+        assert piece.is_bias or drawn[0, 0] == pytest.approx(drawn[1, 0], abs=1e-6)
+    texts = space.query("TEXT")
+    assert {piece.name for piece in pieces.cut_pieces} <= {text.dxf.text for text in texts}
+    assert all(any(one.contains(Point(np.array(text.dxf.insert)[:2] * 1e-3)) for one in cut) for text in texts)
 
 
 def test_archive_holds_both_files_and_a_note(tmp_path):
@@ -250,13 +296,14 @@ def test_hostile_names_reach_no_file():
     corners = np.array([[0.0, 0.0], [0.3, 0.0], [0.3, 0.3], [0.0, 0.3]])
     panel = Panel(evil, corners, (Edge(label=evil, contour=evil),) * 4, label=evil)
     pieces = make_pieces(Pattern(evil, (panel,), ()), None, Style(evil, evil, evil))
-    for dialect in DIALECTS_BY_NAME.values():
-        text = dxf_text(pieces, [Block(p, p.name, "BASE") for p in pieces.pieces], dialect)
+    texts = [
+        dxf_text(pieces, [Block(p, p.name, "BASE") for p in pieces.cut_pieces], DIALECTS_BY_NAME[dialect])
+        for dialect in BLOCK_DIALECTS
+    ]
+    for text in (*texts, flat_text([("", pieces)])):
         assert text.count("EOF\r\n") == 1 and text.isascii() and max(map(len, text.splitlines())) <= 255
         assert not ezdxf.read(io.StringIO(text, newline=None)).audit().errors
-    assert len(PdfReader(io.BytesIO(pieces_pdf(pieces, find_paper("a4")))).pages) == 5
-    from xml.etree import ElementTree
-
+    assert len(PdfReader(io.BytesIO(pieces_pdf(pieces, find_paper("a4")))).pages) == 6
     ElementTree.fromstring(pieces_svg(pieces))
 
 
@@ -290,3 +337,41 @@ def test_a_long_roll_has_larger_units():
     found = PdfReader(io.BytesIO(pdf_bytes([long], "t"))).pages[0]
     assert float(found.mediabox[3]) <= 14400
     assert float(found.mediabox[3]) * float(found["/UserUnit"]) == pytest.approx(6000.0 * POINT, rel=1e-5)
+
+
+@pytest.mark.parametrize("name", TEMPLATES + SLIT_CUTS)
+def test_notches_and_grain_are_read_back(name):
+    """Broken where SVG or PDF has another outline, a notch elsewhere, or a grainline that is not upright, for any
+    piece, those that finish openings too."""
+    pieces = pieces_of(name)
+    sheet = arrange_pieces(pieces, 1.4)
+    height = 1e3 * float(sheet.size[1])
+    space = "{http://www.w3.org/2000/svg}"
+    groups = {group.get("id"): group for group in ElementTree.fromstring(pieces_svg(pieces)).iter(f"{space}g")}
+
+    def lines_of(layer, piece):
+        group = groups.get(f"{layer}.{piece.name}")
+        found = [] if group is None else [path.get("d") for path in group.findall(f"{space}path")]
+        words = [[float(word) for word in d.split() if word not in "MLZ"] for d in found]
+        return [(np.array(line).reshape(-1, 2) * [1.0, -1.0] + [0.0, height]) / 1e3 for line in words]
+
+    drawn = PdfReader(io.BytesIO(pieces_pdf(pieces, find_paper("a4"))))
+    stream = drawn.pages[0]["/Resources"]["/XObject"]["/Drawing"].get_object().get_data().decode()
+    tiled, _ = tile_pieces(pieces, find_paper("a4"))
+    strokes = [
+        1e-3 * np.array([float(word) for word in line.split("d ", 1)[1].split() if word not in "mlsS"]).reshape(-1, 2)
+        for line in stream.splitlines()
+        if line.endswith((" s", " S"))
+    ]
+    starts = np.array([stroke[0] for stroke in strokes])
+    for n, piece in enumerate(pieces.cut_pieces):
+        (outline,) = lines_of("cut", piece)
+        assert Polygon(outline).area == pytest.approx(Polygon(piece.cut.points).area, rel=1e-4)
+        notches = np.array([line[0] for line in lines_of("notch", piece)]).reshape(-1, 2) - sheet.shifts[n]
+        assert notches == pytest.approx(np.array([notch.point for notch in piece.notches]).reshape(-1, 2), abs=1e-6)
+        if piece.fold is None:
+            line = lines_of("grain", piece)[0]
+            assert piece.is_bias or abs(line[0, 0] - line[-1, 0]) < 1e-6
+            assert any(np.abs(stroke[[0, -1]] - piece.grain - tiled.shifts[n]).max() < 2e-6 for stroke in strokes)
+        for notch in piece.notches:
+            assert np.linalg.norm(starts - notch.point - tiled.shifts[n], axis=1).min() < 2e-6

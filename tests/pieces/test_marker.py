@@ -49,7 +49,7 @@ def test_copies_lie_apart_on_cloth_along_the_warp(lay, pieces, monkeypatch):
     assert every[:, 1].max() == pytest.approx(found.length)
     assert found.used == pytest.approx(sum(shape.area for shape in shapes) / (found.length * CLOTH_WIDTH))
     if lay is nest_on_cloth and nesting.can_nest():
-        assert found.length < 0.9 * lay_on_cloth(pieces.pieces).length
+        assert found.length < 0.95 * lay_on_cloth(pieces.pieces).length
     for name in ("FRONT", "BACK", "SLEEVE"):
         own = [np.ptp(copy.outline, axis=0) for copy in found.copies if copy.name == name]
         true = next(np.ptp(piece.cut.points, axis=0) for piece in pieces.pieces if piece.name == name)

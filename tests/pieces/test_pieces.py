@@ -208,6 +208,33 @@ def test_allowances_are_read_from_text_json_and_csv():
     assert read_allowances(read_allowances("hem=30").describe()).widths[EdgeUse.HEM] == 0.03
 
 
+@pytest.mark.parametrize(
+    ("text", "seam", "hem"),
+    [
+        ("15mm", 0.015, 0.025),
+        ("5/8in", 0.015875, 0.025),
+        ("seam=5/8in,hem=1 1/2in", 0.015875, 0.0381),
+        ('{"seam": "0.5in", "hem": "2.5cm"}', 0.0127, 0.025),
+        ("seam,3/8in\nhem,40", 0.009525, 0.04),
+    ],
+)
+def test_widths_have_units(text, seam, hem):
+    """Broken where an inch is taken for a millimetre, or one width for all is lost on a facing's edge."""
+    widths = read_allowances(text).widths
+    assert (widths[EdgeUse.SEAM], widths[EdgeUse.HEM]) == pytest.approx((seam, hem))
+    if "=" not in text and "," not in text and ":" not in text:
+        assert widths[EdgeUse.NECK] == widths[EdgeUse.FACED] == widths[EdgeUse.SEAM]
+        assert widths[EdgeUse.DART] == 0.0 and widths[EdgeUse.ZIP] == 0.015
+    assert read_allowances(read_allowances(text).describe()).widths == pytest.approx(dict(widths))
+
+
+@pytest.mark.parametrize("text", ["0.625", "seam=0.625", "seam=5/8"])
+def test_a_part_of_an_inch_is_asked_about(text):
+    """Broken where 0.625, an inch's part, becomes an allowance of 0.6 mm that nobody can sew."""
+    with pytest.raises(AllowanceBad, match="in"):
+        read_allowances(text)
+
+
 def square(name, edges=None, label=""):
     corners = np.array([[0.0, 0.0], [0.2, 0.0], [0.2, 0.2], [0.0, 0.2]])
     return Panel(name, corners, edges or (Edge(),) * 4, label=label)

@@ -3,6 +3,7 @@
 import functools
 import io
 from dataclasses import replace
+from xml.etree import ElementTree
 
 import ezdxf
 import numpy as np
@@ -11,9 +12,11 @@ from garmentq.cli.sizes import read_sizes
 from garmentq.core.deliver.formats.dialects import DIALECTS_BY_NAME
 from garmentq.core.deliver.formats.dxf import Block, dxf_text, rule_text
 from garmentq.core.deliver.formats.errors import SizesBad
+from garmentq.core.deliver.formats.flat_dxf import flat_text
 from garmentq.core.deliver.formats.grading import grade_sizes
-from garmentq.core.deliver.formats.nest import find_rules, nest_pdf
+from garmentq.core.deliver.formats.nest import draw_nest, find_rules, nest_pdf
 from garmentq.core.deliver.formats.options import ExportOptions, SizeLine
+from garmentq.core.deliver.formats.size_layers import NAMES_PER_LINE
 from garmentq.core.garment.measures import BodyMeasures
 from garmentq.core.garment.pattern import Edge, Panel, Pattern
 from garmentq.core.garment.pieces.make import make_pieces
@@ -21,6 +24,7 @@ from garmentq.core.garment.seams import seam_mismatch
 from garmentq.core.garment.templates import load_template
 from garmentq_pieces import TEMPLATES
 from pypdf import PdfReader
+from shapely import Polygon
 
 BASE = BodyMeasures()
 
@@ -69,7 +73,7 @@ def test_rules_move_the_base_onto_the_nest(name, dialect):
     pieces = pieces_of_sizes(name)
     base = next(n for n, size in enumerate(sizes) if size.is_base)
     moves, rules = find_rules(pieces, base)
-    assert set(rules) == {piece.name for piece in pieces[base].pieces}
+    assert set(rules) >= {piece.name for piece in pieces[base].pieces}
     own = [Block(p, p.name, sizes[base].name) for p in pieces[base].pieces]
     graded = ezdxf.read(io.StringIO(dxf_text(pieces[base], own, rule, rules), newline=None))
     blocks = [Block(p, f"{p.name}_{s.name}", s.name) for s, one in zip(sizes, pieces, strict=True) for p in one.pieces]
@@ -113,6 +117,61 @@ def test_nest_is_one_page_of_all_sizes():
     content = nest_pdf(sizes, pieces_of_sizes("tshirt"), 914.0)
     (page,) = PdfReader(io.BytesIO(content)).pages
     assert all(size.name in page.extract_text() for size in sizes) and "base" in page.extract_text()
+
+
+def test_each_size_has_a_layer_with_its_name_on_each_line():
+    """Broken where a size cannot be hidden, its lines are on another's layer, or a line does not say whose it is."""
+    _, sizes = sizes_of("tshirt")
+    pieces = pieces_of_sizes("tshirt")
+    reader = PdfReader(io.BytesIO(nest_pdf(sizes, pieces, 914.0)))
+    groups = reader.trailer["/Root"]["/OCProperties"]["/OCGs"]
+    assert [group.get_object()["/Name"] for group in groups] == [f"size {size.name}" for size in sizes]
+    content = reader.pages[0].get_contents().get_data().decode("latin-1")
+    named = reader.pages[0]["/Resources"]["/Properties"]
+    for k, (size, one) in enumerate(zip(sizes, pieces, strict=True)):
+        assert named[f"/S{k}"].get_object()["/Name"] == f"size {size.name}"
+        layer = content.split(f"/OC /S{k} BDC")[1].split("EMC")[0]
+        assert layer.count(f"({size.name}) Tj") == NAMES_PER_LINE * len(one.cut_pieces)
+        assert not any(f"({other.name}) Tj" in layer for other in sizes if other is not size)
+        paths = [line.split("d ", 1)[1] for line in layer.splitlines() if line.endswith(" s") and "0.15 w" not in line]
+        drawn = [np.array([float(w) for w in path.split() if w not in "mls"]).reshape(-1, 2) for path in paths]
+        areas = [1e-6 * Polygon(points).area for points in drawn]
+        assert areas == pytest.approx([Polygon(piece.cut.points).area for piece in one.cut_pieces], rel=1e-4)
+
+
+def test_a_nest_of_svg_has_the_same_layers():
+    """Broken where a drawing program finds the sizes of a nest in one layer, or at another scale."""
+    _, sizes = sizes_of("tshirt")
+    pieces = pieces_of_sizes("tshirt")
+    root = ElementTree.fromstring(draw_nest(sizes, pieces, 914.0))
+    space = "{http://www.w3.org/2000/svg}"
+    layers = {group.get("id"): group for group in root.findall(f"{space}g")}
+    assert list(layers) == [*(f"size-{size.name}" for size in sizes), "marks"]
+    for size, one in zip(sizes, pieces, strict=True):
+        layer = layers[f"size-{size.name}"]
+        cut = [path.get("d") for path in layer.findall(f"{space}path") if path.get("class") == "cut"]
+        points = [
+            np.array([float(w) for w in d.replace("M", "").replace("L", "").replace("Z", "").split()]) for d in cut
+        ]
+        areas = [1e-6 * Polygon(one_line.reshape(-1, 2)).area for one_line in points]
+        assert areas == pytest.approx([Polygon(piece.cut.points).area for piece in one.cut_pieces], rel=1e-4)
+        assert {text.text for text in layer.findall(f"{space}text")} == {size.name}
+
+
+def test_a_flat_nest_has_layers_of_each_size():
+    """Broken where a laser cuts all sizes at once, or the sizes do not lie upon each other."""
+    _, sizes = sizes_of("tshirt")
+    pieces = pieces_of_sizes("tshirt")
+    text = flat_text([(size.name, one) for size, one in zip(sizes, pieces, strict=True)])
+    space = ezdxf.read(io.StringIO(text, newline=None)).modelspace()
+    cut = {
+        size.name: [line for line in space.query("POLYLINE") if line.dxf.layer == f"CUT_{size.name}"] for size in sizes
+    }
+    for lines, one in zip(cut.values(), pieces, strict=True):
+        areas = [1e-6 * Polygon([list(v.dxf.location)[:2] for v in line.vertices]).area for line in lines]
+        assert areas == pytest.approx([Polygon(piece.cut.points).area for piece in one.cut_pieces], rel=1e-4)
+    fronts = [Polygon([list(v.dxf.location)[:2] for v in lines[0].vertices]) for lines in cut.values()]
+    assert all(one.intersection(other).area > 0.9 * one.area for one in fronts for other in fronts)
 
 
 def test_a_table_says_girths_and_heights():

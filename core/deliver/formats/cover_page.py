@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from textwrap import wrap
+
 import numpy as np
 
 from ...garment.meshing import points_in_polygon
+from ...garment.pieces.bill import list_materials
 from ...garment.pieces.instructions import list_sewing_steps
 from ...garment.pieces.layout import lay_on_cloth
-from ...garment.pieces.piece import EdgeUse, PieceSet
+from ...garment.pieces.piece import PieceSet
 from ...garment.pieces.trueing import describe_trueing
-from .drawing import describe_cutting, keep_latin
+from .drawing import LETTER_WIDTH_FRACTION, STRETCH_TEXT, describe_cutting, keep_latin
 from .pdf_file import show_text
 from .sheet import Sheet
 from .tiling import Tile, Tiling
@@ -24,41 +27,61 @@ COVER_TEXT_SIZE_MM = 3.2
 """Size of the text [mm]."""
 
 
-COVER_HEADINGS = ("Pieces", "Sewing order", "Not in this pattern", "Trueing")
+COVER_HEADINGS = ("Pieces", "Sewing order", "Bill of material", "Not in this pattern", "Trueing")
 """Lines that are bold."""
 
 
 def cover_content(sheet: Sheet, tiling: Tiling) -> str:
-    """Return the operators of the cover of a tiling."""
+    """Return the operators of the cover of a tiling: title, test squares, map of the sheets, list of pieces."""
     paper, pieces = tiling.paper, sheet.pieces
     left, top = 12.0, paper.height - 18.0
     parts = ["0 G 0 g\n", show_text(left, top, 7.0, keep_latin(pieces.name), True)]
     lines = [
-        *_heading_lines(pieces),
+        *heading_lines(pieces),
         f"{len(tiling.tiles)} sheets of {paper.name.upper()}; print at 100 %, then measure:",
     ]
-    parts += [
-        show_text(left, top - 6.0 - COVER_LINE_HEIGHT_MM * n, COVER_TEXT_SIZE_MM, line) for n, line in enumerate(lines)
-    ]
+    parts.append(_column(left, top - 6.0, lines, len(lines), paper.width - 2 * left))
     y = top - 10.0 - COVER_LINE_HEIGHT_MM * len(lines) - TEST_SQUARES[1][0]
     parts.append(_squares(left, y))
     y -= 8.0
-    room = y - 12.0
-    height = min(0.48 * room, 100.0)
+    listed = _list_pieces(pieces, _name_tiles(sheet, tiling))
+    room = y - 12.0 - COVER_LINE_HEIGHT_MM * len(listed)
+    height = max(min(room, 110.0), 40.0)
     parts.append(_map(sheet, tiling, (left, y - height), (paper.width - 2 * left, height)))
     y -= height + 8.0
-    half = (paper.width - 2 * left) / 2
-    most = int((y - 8.0) / COVER_LINE_HEIGHT_MM)
-    shown = _name_tiles(sheet, tiling)
-    parts.append(_column(left, y, _list_pieces(pieces, shown) + ["", *list_notes(pieces)], most, half))
-    parts.append(_column(left + half + 4.0, y, list_steps(pieces), most, half))
+    parts.append(_column(left, y, listed, int((y - 8.0) / COVER_LINE_HEIGHT_MM), paper.width - 2 * left))
     return "".join(parts)
+
+
+def instruction_contents(pieces: PieceSet, width: float, height: float) -> list[str]:
+    """Return the operators of the pages of instructions: sewing order, bill of material, notes.
+
+    Args:
+        pieces: The pieces.
+        width: Of a page [mm].
+        height: Of a page [mm].
+    """
+    left, top = 12.0, height - 18.0
+    letters = int((width - 2 * left) / (LETTER_WIDTH_FRACTION * COVER_TEXT_SIZE_MM))
+    lines = [*list_steps(pieces), "", *list_bill(pieces), "", *list_notes(pieces)]
+    wrapped = [part for line in lines for part in (wrap(line, letters, subsequent_indent="   ") or [""])]
+    most = int((top - 12.0) / COVER_LINE_HEIGHT_MM)
+    pages = []
+    for n in range(0, len(wrapped), most):
+        head = show_text(left, top + 4.0, 4.0, keep_latin(pieces.name), True)
+        pages.append("0 G 0 g\n" + head + _column(left, top - 6.0, wrapped[n : n + most], most, width - 2 * left))
+    return pages
+
+
+def list_bill(pieces: PieceSet) -> list[str]:
+    """Return the bill of material, a line each."""
+    return ["Bill of material", *(line.describe() for line in list_materials(pieces))]
 
 
 def legend_content(sheet: Sheet, x: float, y: float, width: float) -> str:
     """Return the operators of the strip below the pieces of a roll, its lower left corner at (x, y) [mm]."""
     pieces = sheet.pieces
-    lines = [*_heading_lines(pieces), *_list_pieces(pieces, {}), *list_notes(pieces)]
+    lines = [*heading_lines(pieces), *_list_pieces(pieces, {}), *list_notes(pieces)]
     parts = ["0 G 0 g\n", _squares(x, y + 8.0), show_text(x + 125.0, y + 68.0, 6.0, keep_latin(pieces.name), True)]
     most, column = int(60.0 / COVER_LINE_HEIGHT_MM), 110.0
     room = max(1, int((width - 125.0) / column))
@@ -67,12 +90,20 @@ def legend_content(sheet: Sheet, x: float, y: float, width: float) -> str:
     return "".join(parts)
 
 
-def _heading_lines(pieces: PieceSet) -> list[str]:
-    lay = lay_on_cloth(pieces.pieces)
-    cloth = f"about {lay.length:.2f} m" if np.isfinite(lay.length) else "wider than the cloth"
+def heading_lines(pieces: PieceSet) -> list[str]:
+    """Return the lines of a title: what is known of the garment, its size and cloth, the number of pieces."""
+    details = [f"{label}: {keep_latin(value, 100)}" for label, value in pieces.details]
     lines = [f"size: {keep_latin(pieces.size)} cm" if pieces.size else "", keep_latin(pieces.fabric)]
-    count = sum(piece.quantity for piece in pieces.pieces)
-    return [*filter(None, lines), f"{count} pieces of cloth; {cloth} at {100 * lay.width:.0f} cm"]
+    count = sum(piece.quantity for piece in pieces.cut_pieces)
+    return [*details, *filter(None, lines), f"{count} pieces to cut" + describe_cloth(pieces)]
+
+
+def describe_cloth(pieces: PieceSet) -> str:
+    """Return the length of cloth of the usual width, and which way it stretches most."""
+    lay = lay_on_cloth(pieces.cut_pieces)
+    cloth = f"about {lay.length:.2f} m" if np.isfinite(lay.length) else "wider than the cloth"
+    stretch = f"; {STRETCH_TEXT}" if pieces.is_stretchy else ""
+    return f"; {cloth} at {100 * lay.width:.0f} cm{stretch}"
 
 
 def _squares(left: float, bottom: float) -> str:
@@ -109,6 +140,7 @@ def _name_tiles(sheet: Sheet, tiling: Tiling) -> dict[int, list[str]]:
     height = float(sheet.size[1]) * 1e3
 
     def shows(tile: Tile, outline: np.ndarray) -> bool:
+        outline = _densify(outline)
         low = np.array([tile.column * across, height - (tile.row + 1) * down])
         high = low + (across, down)
         inside = (outline > low).all(axis=1) & (outline < high).all(axis=1)
@@ -120,9 +152,17 @@ def _name_tiles(sheet: Sheet, tiling: Tiling) -> dict[int, list[str]]:
     }
 
 
+def _densify(outline: np.ndarray) -> np.ndarray:
+    """Return a closed line with points at least every 20 mm, shape [n, 2] [mm]."""
+    ends = np.roll(outline, -1, axis=0)
+    parts = max(int(np.ceil(np.linalg.norm(ends - outline, axis=1).max() / 20.0)), 1)
+    share = np.arange(parts)[:, None, None] / parts
+    return np.asarray((outline + share * (ends - outline)).reshape(-1, 2))
+
+
 def _list_pieces(pieces: PieceSet, shown: dict[int, list[str]]) -> list[str]:
     lines = ["Pieces"]
-    for n, piece in enumerate(pieces.pieces):
+    for n, piece in enumerate(pieces.cut_pieces):
         where = shown.get(n, [])
         sheets = f": {', '.join(where[:8])}{' ...' if len(where) > 8 else ''}" if where else ""
         lines.append(f"{n + 1} {piece.name}, {describe_cutting(piece)}{sheets}")
@@ -131,12 +171,7 @@ def _list_pieces(pieces: PieceSet, shown: dict[int, list[str]]) -> list[str]:
 
 def list_notes(pieces: PieceSet) -> list[str]:
     """Return a line for the allowances of a garment, one for each missing item and one for each line that was trued."""
-    widths = {
-        edge.use: edge.width
-        for piece in pieces.pieces
-        for edge in piece.edges
-        if edge.use not in (EdgeUse.FOLD, EdgeUse.DART)
-    }
+    widths = {edge.use: edge.width for piece in pieces.cut_pieces for edge in piece.edges if edge.width}
     included = ", ".join(f"{use} {1e3 * widths[use]:g}" for use in sorted(widths))
     head = f"Allowance included [mm]: {included}" if any(widths.values()) else "No seam allowance included"
     trued = [f"- {line}" for line in describe_trueing(pieces.trued)]

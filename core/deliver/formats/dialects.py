@@ -35,6 +35,7 @@ class Dialect:
         notch_layer: Layer of notches.
         notch_is_line: Whether a notch is a line; else it is a point.
         marks_points: Whether turn and curve points are on layers 2 and 3.
+        is_flat: Whether lines are drawn without blocks, on layers that are named by what is done there.
         has_validation: Whether the outline is repeated on layer 84 for comparison, with its tolerance.
         name_key, size_key: Keys of a piece's name and size.
         separator: Between the numbers of a rule table.
@@ -52,6 +53,7 @@ class Dialect:
     notch_layer: int = SLIT_NOTCH_LAYER
     notch_is_line: bool = False
     marks_points: bool = True
+    is_flat: bool = False
     has_validation: bool = False
     name_key: str = "PIECE NAME"
     size_key: str = "SIZE"
@@ -72,6 +74,7 @@ DIALECTS_BY_NAME: Mapping[str, Dialect] = MappingProxyType({
         Dialect("seamly", sew_layer=8, notch_is_line=True, marks_points=False),
         Dialect("richpeace", closing=OutlineClosing.REPEATED, notch_layer=CHECK_NOTCH_LAYER, name_key="Piece Name",
                 size_key="SAMPLE SIZE"),
+        Dialect("flat", is_flat=True),
     )
 })  # fmt: skip
 """The dialects by name. Most readers accept `aama`; docs/lab/pieces.md lists how the others differ."""

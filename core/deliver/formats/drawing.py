@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
+from itertools import pairwise
 
 import numpy as np
 
 from ...garment.meshing import points_in_polygon
 from ...garment.pieces.flatten import flatten_edge, flatten_outline
-from ...garment.pieces.piece import EdgeUse, Piece, PieceSet
+from ...garment.pieces.piece import Material, Piece, PieceSet
 
 ARROW_HEAD_LENGTH = 0.006
 """Length of an arrow's head [m]."""
@@ -26,6 +27,17 @@ MAX_PIECE_TEXT_SIZE, MIN_PIECE_TEXT_SIZE = 0.009, 0.005
 
 GRAIN_UNKNOWN_TEXT = "GRAIN UNKNOWN"
 """Text across a piece whose warp neither file nor place shows."""
+
+
+STRETCH_TEXT = "most stretch across the grain"
+"""Text on pieces of a knit: courses run across the grain and stretch more than wales."""
+
+
+LINE_TEXT_SIZE = 0.005
+"""Size of the name of a marked line [m]."""
+
+LINE_NAME_SHARE = 0.12
+"""Fraction of a marked line at which its name is written."""
 
 
 class Layer(StrEnum):
@@ -72,6 +84,7 @@ def draw_lines(piece: Piece) -> list[Line]:
         lines.append(Line(Layer.SEW, flatten_outline(piece.net)[0], True))
     lines += [Line(Layer.NOTCH, np.array([n.point, n.point + n.depth * n.inward])) for n in piece.notches]
     lines += [Line(Layer.MARK, dart) for dart in piece.darts]
+    lines += [Line(Layer.MARK, line.points) for line in piece.lines]
     cross = np.array([[-0.003, 0.0], [0.003, 0.0]])
     for drill in piece.drills:
         lines += [Line(Layer.MARK, drill + cross), Line(Layer.MARK, drill + cross[:, ::-1])]
@@ -98,33 +111,51 @@ def _arrow(start: np.ndarray, end: np.ndarray) -> list[np.ndarray]:
 
 
 def describe_cutting(piece: Piece) -> str:
-    """Return how often a piece is cut."""
+    """Return how often a piece is cut, and out of what where that is not the cloth."""
     if piece.fold is not None:
-        return f"CUT {piece.quantity} ON FOLD"
-    return f"CUT {piece.quantity}" + (f" ({piece.quantity // 2} PAIR)" if piece.pair else "")
+        text = f"CUT {piece.quantity} ON FOLD"
+    else:
+        text = f"CUT {piece.quantity}" + (f" ({piece.quantity // 2} PAIR)" if piece.pair else "")
+    text += "" if piece.material is Material.CLOTH else f" OF {piece.material.upper()}"
+    return text + (f" + {piece.interfaced} OF INTERFACING" if piece.interfaced else "")
 
 
 def describe_allowance(piece: Piece) -> str:
     """Return the allowances of a piece in millimetres by use."""
-    widths = {edge.use: edge.width for edge in piece.edges if edge.use not in (EdgeUse.FOLD, EdgeUse.DART)}
-    if not any(widths.values()):
+    widths = {edge.use: edge.width for edge in piece.edges if edge.width}
+    if not widths:
         return "no seam allowance"
     return "allowance " + ", ".join(f"{use} {1e3 * widths[use]:g}" for use in sorted(widths)) + " mm"
 
 
 def list_texts(pieces: PieceSet, number: int) -> list[str]:
     """Return the texts on a piece, the most important first."""
-    piece = pieces.pieces[number]
+    piece = pieces.cut_pieces[number]
     lines = [
         piece.name,
         describe_cutting(piece),
         "" if piece.is_grain_known else GRAIN_UNKNOWN_TEXT,
-        f"{number + 1}/{len(pieces.pieces)} {keep_latin(pieces.name)}",
+        f"{number + 1}/{len(pieces.cut_pieces)} {keep_latin(pieces.name)}",
         describe_allowance(piece),
         keep_latin(pieces.size),
-        keep_latin(pieces.fabric),
+        keep_latin(pieces.fabric) if piece.material is Material.CLOTH else "",
+        STRETCH_TEXT if pieces.is_stretchy or piece.material is Material.RIB else "",
     ]
     return [line for line in lines if line.strip()]
+
+
+def name_lines(piece: Piece) -> list[Text]:
+    """Return the names of a piece's marked lines, each beside its line and within the piece."""
+    found, middle = [], flatten_outline(piece.net)[0].mean(axis=0)
+    for name in dict.fromkeys(line.name for line in piece.lines):
+        points = max((line.points for line in piece.lines if line.name == name), key=lambda one: float(np.ptp(one)))
+        start, end = points[0], points[-1]
+        place = start + LINE_NAME_SHARE * (end - start)
+        text = Text(name, np.zeros(2), LINE_TEXT_SIZE)
+        across = np.array([0.5 * text.width + 0.002, 0.0]) if name in ("CF", "CB") else np.array([0.0, 0.0015])
+        side = np.where(middle[0] >= place[0] - 1e-6, 1.0, -1.0)
+        found.append(replace(text, centre=place + across * [side, 1.0]))
+    return found
 
 
 def place_texts(piece: Piece, texts: list[str]) -> list[Text]:
@@ -164,13 +195,22 @@ def _is_free(piece: Piece, outline: np.ndarray, centre: np.ndarray, half: np.nda
     rim = np.concatenate([[(x, y) for x in turns for y in (-1.0, 1.0)], [(x, y) for y in turns for x in (-1.0, 1.0)]])
     if not points_in_polygon(outline, centre + rim * half).all():
         return False
-    marks = [*piece.darts, piece.drills, *(n.point + n.depth * n.inward for n in piece.notches)]
+    marks = [
+        *piece.darts,
+        *(_sample(line.points) for line in piece.lines),
+        piece.drills,
+        *(n.point + n.depth * n.inward for n in piece.notches),
+    ]
     marks.append(np.linspace(piece.grain[0], piece.grain[1], 50))
     if piece.fold is not None:
         ends = flatten_edge(piece.net, piece.fold)[[0, -1]] + [FOLD_INSET, 0.0]
         marks.append(np.linspace(ends[0], ends[1], 50))
     points = np.concatenate([np.reshape(mark, (-1, 2)) for mark in (*marks, outline)])
     return not (np.abs(points - centre) < half).all(axis=1).any()
+
+
+def _sample(points: np.ndarray) -> np.ndarray:
+    return np.concatenate([np.linspace(start, end, 50) for start, end in pairwise(points)])
 
 
 def keep_ascii(text: str) -> str:

@@ -14,8 +14,11 @@ import numpy as np
 from ...garment.pattern import Panel
 from ...garment.pieces.flatten import flatten_outline
 from ...garment.pieces.piece import Piece, PieceSet
+from ...garment.pieces.shelf_packing import pack_on_shelves
 from .dialects import DIALECTS_BY_NAME, Dialect, OutlineClosing
 from .drawing import GRAIN_UNKNOWN_TEXT, keep_ascii
+from .flat_dxf import flat_text
+from .sheet import SHEET_PIECE_GAP
 
 if TYPE_CHECKING:
     from .production import Production
@@ -45,11 +48,20 @@ class Block:
     size: str
 
 
+DXF_SHEET_WIDTH = 1.4
+"""Width of the sheet on which pieces are inserted side by side [m]: that of usual cloth."""
+
+
 def write(production: Production, folder: Path) -> list[Path]:
-    """Write `pieces_DIALECT.dxf`, its rule table and an archive of both, and return them."""
+    """Write `pieces_DIALECT.dxf`, its rule table and an archive of both, and return them; of the flat dialect the first
+    alone."""
     dialect = DIALECTS_BY_NAME[production.options.dialect]
     pieces = production.pieces
-    blocks = [Block(piece, piece.name, "BASE") for piece in pieces.pieces]
+    if dialect.is_flat:
+        path = folder / f"pieces_{dialect.name}.dxf"
+        path.write_bytes(flat_text([("", pieces)]).encode("ascii"))
+        return [path]
+    blocks = [Block(piece, piece.name, "BASE") for piece in pieces.cut_pieces]
     files = {
         f"pieces_{dialect.name}.dxf": dxf_text(pieces, blocks, dialect),
         f"pieces_{dialect.name}.rul": rule_text(dialect, ("BASE",), []),
@@ -109,10 +121,25 @@ def dxf_text(pieces: PieceSet, blocks: Iterable[Block], dialect: Dialect, rules:
         style["CURVE TOLERANCE"] = _number(5e-5, dialect)
     for n, (key, value) in enumerate(style.items()):
         _text(out, 1, f"{key}: {value}", (0.0, -0.02 * (n + 1)), dialect)
-    for block in listed:
-        _append_groups(out, (0, "INSERT"), (8, "1"), (2, block.name), (10, "0.0"), (20, "0.0"), (30, "0.0"))
+    for block, place in zip(listed, _place_blocks(listed, dialect), strict=True):
+        x, y = (_number(float(value), dialect) for value in place)
+        _append_groups(out, (0, "INSERT"), (8, "1"), (2, block.name), (10, x), (20, y), (30, "0.0"))
     _append_groups(out, (0, "ENDSEC"), (0, "EOF"))
     return "".join(out)
+
+
+def _place_blocks(blocks: list[Block], dialect: Dialect) -> np.ndarray:
+    """Return where each block is inserted, in the dialect's axes [m], shape [n, 2]: pieces side by side above the
+    style's texts, all sizes of a piece upon each other."""
+    names = list(dict.fromkeys(block.piece.name for block in blocks))
+    outlines: dict[str, list[np.ndarray]] = {name: [] for name in names}
+    for block in blocks:
+        outlines[block.piece.name].append(_to_dialect_axes(block.piece.cut.points, dialect))
+    low = np.array([np.concatenate(outlines[name]).min(axis=0) for name in names]).reshape(-1, 2)
+    high = np.array([np.concatenate(outlines[name]).max(axis=0) for name in names]).reshape(-1, 2)
+    corners = pack_on_shelves(high - low, SHEET_PIECE_GAP, DXF_SHEET_WIDTH, stacked=True)
+    shifts = dict(zip(names, corners - low, strict=True))
+    return np.array([shifts[block.piece.name] for block in blocks])
 
 
 def rule_text(dialect: Dialect, sizes: tuple[str, ...], rules: list[np.ndarray], sample: str | None = None) -> str:
@@ -170,6 +197,10 @@ def _draw(
         _line(out, 7, piece.grain, dialect)
     for line in piece.darts:
         _polyline(out, 8, line, dialect, closed=False)
+    for marked in piece.lines:
+        _polyline(out, 8, marked.points, dialect, closed=False)
+        x, y = marked.points.mean(axis=0)
+        _text(out, dialect.text_layer, marked.name, (float(x), float(y)), dialect)
     for drill in piece.drills:
         _point(out, 13, drill, dialect, DRILL_HOLE_DIAMETER)
     middle = piece.grain.mean(axis=0)

@@ -52,7 +52,7 @@ def pieces_svg(pieces: PieceSet) -> str:
 
 def _layer(sheet: Sheet, layer: Layer, height: float) -> str:
     groups = []
-    for n, piece in enumerate(sheet.pieces.pieces):
+    for n, piece in enumerate(sheet.pieces.cut_pieces):
         if layer == Layer.TEXT:
             parts = [_text(text, height) for text in sheet.texts[n]]
         elif layer == Layer.SEW:

@@ -29,7 +29,7 @@ def write(production: Production, folder: Path) -> list[Path]:
     """
     paper = find_paper(production.options.paper)
     width = paper.width / 1e3 if paper.is_roll else CLOTH_WIDTH
-    lay = nest_on_cloth(production.pieces.pieces, width)
+    lay = nest_on_cloth(production.pieces.cut_pieces, width)
     if not lay.copies:
         raise SheetTooSmall(f"a piece is wider than cloth of {1e2 * width:.0f} cm; give --paper roll:WIDTH in mm.")
     path = folder / "marker.svg"

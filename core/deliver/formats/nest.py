@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,11 +14,13 @@ from ...garment.pieces.make import make_pieces
 from ...garment.pieces.piece import Piece, PieceSet
 from ...garment.pieces.shelf_packing import pack_on_shelves
 from .dialects import DIALECTS_BY_NAME
-from .drawing import draw_lines, keep_latin, list_texts, place_texts
+from .drawing import draw_lines, keep_latin, list_texts, name_lines, place_texts
 from .dxf import Block, Rules, dxf_text, rule_text, write_archive
+from .flat_dxf import flat_text
 from .grading import Size, grade_sizes
 from .papers import PLOTTER_ROLL_WIDTH_MM, find_paper
 from .pdf_file import Page, pdf_bytes, show_text
+from .size_layers import draw_size_layers, name_layer, nest_svg
 
 if TYPE_CHECKING:
     from .production import Production
@@ -38,7 +41,7 @@ SCALED_SIZES_WARNING = (
 
 
 def write(production: Production, folder: Path) -> list[Path]:
-    """Write `pattern_SIZE.json`, `nest.pdf`, `nest_DIALECT.dxf`, and the base with its rules; return the files.
+    """Write `pattern_SIZE.json`, `nest.pdf`, `nest.svg`, `nest_DIALECT.dxf`, the base with its rules; return the files.
 
     Raises:
         SizesBad: where sizes are not valid.
@@ -56,26 +59,35 @@ def write(production: Production, folder: Path) -> list[Path]:
         )
         for size in sizes
     ]
+    pieces = _keep_common(pieces)
     files = [save_pattern(size.pattern, folder / f"pattern_{size.name}.json") for size in sizes]
     paper = find_paper(production.options.paper)
     nest = folder / "nest.pdf"
-    nest.write_bytes(nest_pdf(sizes, pieces, paper.width if paper.is_roll else PLOTTER_ROLL_WIDTH_MM))
+    width = paper.width if paper.is_roll else PLOTTER_ROLL_WIDTH_MM
+    nest.write_bytes(nest_pdf(sizes, pieces, width))
+    layered = folder / "nest.svg"
+    layered.write_text(draw_nest(sizes, pieces, width), encoding="utf-8", newline="\n")
     dialect = DIALECTS_BY_NAME[production.options.dialect]
     base = next(n for n, size in enumerate(sizes) if size.is_base)
     blocks = [
         Block(piece, f"{piece.name}_{size.name}", size.name)
         for size, one in zip(sizes, pieces, strict=True)
-        for piece in one.pieces
+        for piece in one.cut_pieces
     ]
+    if dialect.is_flat:
+        flat = folder / f"nest_{dialect.name}.dxf"
+        ordered = [base, *(k for k in range(len(sizes)) if k != base)]
+        flat.write_bytes(flat_text([(sizes[k].name, pieces[k]) for k in ordered]).encode("ascii"))
+        return [*files, nest, layered, flat]
     moves, rules = find_rules(pieces, base)
-    base_blocks = [Block(piece, piece.name, sizes[base].name) for piece in pieces[base].pieces]
+    base_blocks = [Block(piece, piece.name, sizes[base].name) for piece in pieces[base].cut_pieces]
     names = tuple(size.name for size in sizes)
     texts = {
         f"nest_{dialect.name}.dxf": dxf_text(pieces[base], blocks, dialect),
         f"graded_{dialect.name}.dxf": dxf_text(pieces[base], base_blocks, dialect, rules),
         f"graded_{dialect.name}.rul": rule_text(dialect, names, moves, sizes[base].name),
     }
-    return [*files, nest, *write_archive(texts, dialect, folder, f"sizes_{dialect.name}.zip")]
+    return [*files, nest, layered, *write_archive(texts, dialect, folder, f"sizes_{dialect.name}.zip")]
 
 
 def find_rules(pieces: list[PieceSet], base: int) -> tuple[list[np.ndarray], Rules]:
@@ -93,8 +105,8 @@ def find_rules(pieces: list[PieceSet], base: int) -> tuple[list[np.ndarray], Rul
     moves: list[np.ndarray] = []
     numbers: dict[bytes, int] = {}
     rules: Rules = {}
-    for n, piece in enumerate(pieces[base].pieces):
-        turns = [find_turn_points(one.pieces[n]) for one in pieces]
+    for n, piece in enumerate(pieces[base].cut_pieces):
+        turns = [find_turn_points(one.cut_pieces[n]) for one in pieces]
         if any(len(points) != len(turns[base]) for points in turns):
             continue
         found = []
@@ -118,22 +130,18 @@ def find_turn_points(piece: Piece) -> np.ndarray:
 def nest_pdf(sizes: list[Size], pieces: list[PieceSet], width: float) -> bytes:
     """Return a roll's page of a width [mm] with all sizes of each piece upon each other, in different dashes."""
     base = next(n for n, size in enumerate(sizes) if size.is_base)
-    count = len(pieces[base].pieces)
-    low = np.array([np.min([one.pieces[n].cut.points.min(axis=0) for one in pieces], axis=0) for n in range(count)])
-    high = np.array([np.max([one.pieces[n].cut.points.max(axis=0) for one in pieces], axis=0) for n in range(count)])
-    room = max(width / 1e3, float((high - low)[:, 0].max()) + 2.0 * NEST_PAGE_MARGIN_MM / 1e3)
-    corners = pack_on_shelves(high - low, SIZE_NEST_GAP, room - 2.0 * NEST_PAGE_MARGIN_MM / 1e3, stacked=True)
+    places, room, tall = _place_nest(pieces, width)
     legend = NEST_PAGE_MARGIN_MM * (len(sizes) + 3)
-    shifts = 1e3 * (corners - low) + [NEST_PAGE_MARGIN_MM, NEST_PAGE_MARGIN_MM + legend]
+    shifts = 1e3 * places + [NEST_PAGE_MARGIN_MM, NEST_PAGE_MARGIN_MM + legend]
+    names = [size.name for size in sizes]
     parts = ["0 G 0 g 1 J 1 j\n"]
-    for n in range(count):
-        for k, one in enumerate(pieces):
-            parts.append(f"{_pen(k, base)} {_path(1e3 * one.pieces[n].cut.points + shifts[n], True)}\n")
-        piece = pieces[base].pieces[n]
+    parts.append(draw_size_layers(names, pieces, shifts, [_pen(k, base) for k in range(len(sizes))]))
+    for n, piece in enumerate(pieces[base].cut_pieces):
         for line in draw_lines(piece):
-            if line.layer in ("notch", "grain", "fold"):
-                parts.append(f"0.25 w [] 0 d {_path(1e3 * line.points + shifts[n], False)}\n")
-        for text in place_texts(piece, list_texts(pieces[base], n)):
+            if line.layer not in ("cut", "sew"):
+                dashes = "[1.5 1]" if line.layer == "mark" else "[]"
+                parts.append(f"0.25 w {dashes} 0 d {_path(1e3 * line.points + shifts[n], False)}\n")
+        for text in (*place_texts(piece, list_texts(pieces[base], n)), *name_lines(piece)):
             x, y = 1e3 * text.centre + shifts[n]
             parts.append(show_text(x - 5e2 * text.width, y, 1e3 * text.size, text.text, text.is_bold))
     parts.append(show_text(NEST_PAGE_MARGIN_MM, legend, 6.0, f"{keep_latin(pieces[base].name)}: sizes", True))
@@ -150,8 +158,40 @@ def nest_pdf(sizes: list[Size], pieces: list[PieceSet], width: float) -> bytes:
         parts.append(
             show_text(NEST_PAGE_MARGIN_MM + 34.0, y, 4.0, f"{size.name}   {girths}{'   base' if size.is_base else ''}")
         )
-    height = 1e3 * float((corners + high - low)[:, 1].max()) + 2.0 * NEST_PAGE_MARGIN_MM + legend
-    return pdf_bytes([Page(1e3 * room, height, "".join(parts))], f"{pieces[base].name} sizes")
+    height = 1e3 * tall + 2.0 * NEST_PAGE_MARGIN_MM + legend
+    page = Page(1e3 * room, height, "".join(parts))
+    return pdf_bytes([page], f"{pieces[base].name} sizes", "", [name_layer(name) for name in names])
+
+
+def draw_nest(sizes: list[Size], pieces: list[PieceSet], width: float) -> str:
+    """Return the SVG text of a nest on a sheet of a width [mm], a layer for each size."""
+    base = next(n for n, size in enumerate(sizes) if size.is_base)
+    places, room, tall = _place_nest(pieces, width)
+    border = NEST_PAGE_MARGIN_MM / 1e3
+    return nest_svg([size.name for size in sizes], pieces, base, places + border, np.array([room, tall + 2.0 * border]))
+
+
+def _place_nest(pieces: list[PieceSet], width: float) -> tuple[np.ndarray, float, float]:
+    """Return the translation of each piece's nest on a page of a width [mm] without its border [m], shape [n, 2], the
+    width of the page, and the height of all nests [m]."""
+    points = [np.concatenate([one.cut.points for one in all_sizes]) for all_sizes in _list_nested(pieces)]
+    low, high = (np.array([extreme(one, axis=0) for one in points]) for extreme in (np.min, np.max))
+    room = max(width / 1e3, float((high - low)[:, 0].max()) + 2.0 * NEST_PAGE_MARGIN_MM / 1e3)
+    corners = pack_on_shelves(high - low, SIZE_NEST_GAP, room - 2.0 * NEST_PAGE_MARGIN_MM / 1e3, stacked=True)
+    return corners - low, room, float((corners + high - low)[:, 1].max())
+
+
+def _list_nested(pieces: list[PieceSet]) -> Iterator[tuple[Piece, ...]]:
+    """Yield each piece in all sizes."""
+    return zip(*(one.cut_pieces for one in pieces), strict=True)
+
+
+def _keep_common(pieces: list[PieceSet]) -> list[PieceSet]:
+    """Return the pieces of all sizes, without those that finish edges where some size has others."""
+    names = [[piece.name for piece in one.drafted] for one in pieces]
+    if all(one == names[0] for one in names):
+        return pieces
+    return [replace(one, drafted=(), finishes=()) for one in pieces]
 
 
 def _pen(number: int, base: int) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import zlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 MM_PER_POINT = 25.4 / 72.0
@@ -21,20 +22,27 @@ class Page:
     content: str
 
 
-def pdf_bytes(pages: list[Page], title: str, drawing: str = "") -> bytes:
+def pdf_bytes(pages: list[Page], title: str, drawing: str = "", layers: Sequence[str] = ()) -> bytes:
     """Return a PDF file that asks the viewer not to scale when it prints.
 
     Args:
         pages: The pages.
         title: Title of the document, in ASCII.
         drawing: Drawing operators in millimetres that each page may place by `/Drawing Do`, stored once.
+        layers: Names of layers that a viewer shows or hides (optional content, PDF 1.7, 8.11); what is between
+            `/OC /S2 BDC` and `EMC` is on the third.
     """
     count = len(pages)
+    first = 7 + 2 * count
+    groups = " ".join(f"{first + k} 0 R" for k in range(len(layers)))
+    shown = f" /OCProperties << /OCGs [{groups}] /D << /Order [{groups}] /ON [{groups}] >> >>" if layers else ""
+    named = " ".join(f"/S{k} {first + k} 0 R" for k in range(len(layers)))
     kids = " ".join(f"{7 + 2 * n} 0 R" for n in range(count))
     box = "[-100000 -100000 100000 100000]"
-    resources = "<< /Font << /F 3 0 R /B 4 0 R >> /XObject << /Drawing 6 0 R >> >>"
+    properties = f" /Properties << {named} >>" if layers else ""
+    resources = f"<< /Font << /F 3 0 R /B 4 0 R >> /XObject << /Drawing 6 0 R >>{properties} >>"
     objects = [
-        b"<< /Type /Catalog /Pages 2 0 R /ViewerPreferences << /PrintScaling /None >> >>",
+        f"<< /Type /Catalog /Pages 2 0 R /ViewerPreferences << /PrintScaling /None >>{shown} >>".encode(),
         f"<< /Type /Pages /Kids [{kids}] /Count {count} >>".encode(),
         _font("Helvetica"),
         _font("Helvetica-Bold"),
@@ -53,6 +61,7 @@ def pdf_bytes(pages: list[Page], title: str, drawing: str = "") -> bytes:
             f"/Contents {8 + 2 * n} 0 R >>".encode()
         )
         objects.append(_stream(f"{scale:.8f} 0 0 {scale:.8f} 0 0 cm\n{page.content}"))
+    objects += [f"<< /Type /OCG /Name {_string(name)} >>".encode() for name in layers]
     return _assemble(objects)
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ...cloth.fabric import Fabric
 from ...garment.contour_edges import name_open_edges
 from ...garment.garmentcode_writer import save_pattern
 from ...garment.measures import BodyMeasures
@@ -20,11 +21,22 @@ from ...garment.pieces.piece import PieceSet
 from ...recover.drape.sizing import measure_wearer
 from ...reuse.wear.worn import WornGarment
 from ...run.hooks import SILENT_HOOKS, Hooks
+from .levels import find_levels
 from .options import ExportOptions
 from .registry import FORMATS
 
 FIT_FILE_NAME = "fit.json"
 """Name of the file of a result with its fit's estimates."""
+
+MANIFEST_FILE_NAME = "manifest.json"
+"""Name of the file of a result with what it was made of."""
+
+HAND_PULL = 25.0
+"""Pull of two fingers on cloth [N/m]: 2.5 N on 10 cm."""
+
+MIN_KNIT_STRETCH = 0.18
+"""Smallest stretch of a knit under a hand's pull [1]: that of stable knits (H. Joseph-Armstrong, Patternmaking for
+Fashion Design, stretch gauge). Of the library's woven cloths a jacket's polyester alone stretches as much."""
 
 STEM = "pieces"
 """Beginning of an export's file names, which contain no name from a user."""
@@ -40,6 +52,7 @@ class Production:
         files: Folder of the result's files, for writers that need its meshes.
         scan: The scan's file, or its reading, for writers that need its colours, or None.
         hooks: Progress and cancellation, for long computations.
+        made: Day on which the result was made, `2026-11-28`, or an empty text.
     """
 
     worn: WornGarment
@@ -47,6 +60,7 @@ class Production:
     files: Path
     scan: Path | None = None
     hooks: Hooks = SILENT_HOOKS
+    made: str = ""
 
     @cached_property
     def measures(self) -> BodyMeasures:
@@ -60,8 +74,17 @@ class Production:
 
     @cached_property
     def style(self) -> Style:
-        """Return the labels of the pieces."""
-        return Style(self.worn.pattern.name, describe_size(self.measures, self.height), self.worn.fabric.name)
+        """Return the labels of the pieces: the garment's name, the wearer's size, the cloth, the scan and the day."""
+        fabric = self.worn.fabric
+        known = (("scan", find_scan_name(self.files)), ("made", self.made))
+        return Style(
+            describe_garment(self.worn.pattern.name),
+            describe_size(self.measures, self.height),
+            fabric.title or fabric.name.replace("_", " "),
+            is_stretchy(fabric),
+            tuple((label, value) for label, value in known if value),
+            find_levels(self.worn.pattern, self.measures),
+        )
 
     @cached_property
     def pieces(self) -> PieceSet:
@@ -78,6 +101,31 @@ class Production:
         """Return the standard deviation of each control point [m], shape [point_count, 2]; None where the result has
         none for this pattern."""
         return read_point_std(self.files / FIT_FILE_NAME, self.pattern)
+
+
+def is_stretchy(fabric: Fabric) -> bool:
+    """Check whether a fabric stretches as a knit does: under a hand's pull by `MIN_KNIT_STRETCH` or more, across its
+    warp."""
+    return HAND_PULL / fabric.H00 >= MIN_KNIT_STRETCH
+
+
+def describe_garment(name: str) -> str:
+    """Return the name of a pattern as words: `tshirt+neckline=v` is `tshirt, v neckline`."""
+    template, _, parts = name.partition("+")
+    words = [template.replace("_", " ")]
+    for part in filter(None, parts.split(",")):
+        key, sign, choice = part.partition("=")
+        words.append((f"{choice} {key}" if sign else part).replace("_", " "))
+    return ", ".join(words)
+
+
+def find_scan_name(result: Path) -> str:
+    """Return the name of the scan's file without its ending, from the manifest of a result; an empty text without."""
+    try:
+        name = json.loads((result / MANIFEST_FILE_NAME).read_text(encoding="utf-8"))["scan"]["name"]
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return ""
+    return Path(str(name)).stem
 
 
 def read_point_std(path: Path, pattern: Pattern) -> np.ndarray | None:

@@ -22,8 +22,8 @@ FORMATS: Mapping[str, str] = MappingProxyType({
 """Dotted path of the writer of each format, which is loaded on first use. A writer takes a `Production` and a folder
 and returns its files. A new format is one entry here."""
 
-DIALECTS = ("aama", "astm", "clo", "gerber", "optitex", "seamly", "richpeace")
-"""Dialects of DXF; `dialects.py` has their differences."""
+DIALECTS = ("aama", "astm", "clo", "gerber", "optitex", "seamly", "richpeace", "flat")
+"""Dialects of DXF; `dialects.py` has their differences. `flat` is for lasers and drawing programs (`flat_dxf.py`)."""
 
 DESCRIPTIONS: Mapping[str, str] = MappingProxyType({
     "pdf": "sheets to print and paste at 1:1",

@@ -8,10 +8,13 @@ import numpy as np
 
 from ...garment.pieces.piece import PieceSet
 from ...garment.pieces.shelf_packing import pack_on_shelves
-from .drawing import Line, Text, draw_lines, list_texts, place_texts
+from .drawing import Line, Text, draw_lines, list_texts, name_lines, place_texts
 
 SHEET_PIECE_GAP = 0.01
-"""Free space between pieces [m], and around them."""
+"""Free space between pieces [m]."""
+
+SHEET_BORDER = 0.002
+"""Free space around all pieces [m]: a line stays clear of the frame; paper has a margin of its own."""
 
 
 @dataclass(frozen=True)
@@ -34,12 +37,12 @@ class Sheet:
     @property
     def outlines(self) -> list[np.ndarray]:
         """Return each piece's cut line on the sheet [m]."""
-        return [piece.cut.points + shift for piece, shift in zip(self.pieces.pieces, self.shifts, strict=True)]
+        return [piece.cut.points + shift for piece, shift in zip(self.pieces.cut_pieces, self.shifts, strict=True)]
 
 
 def min_sheet_width(pieces: PieceSet) -> float:
     """Return the smallest width of a sheet [m]."""
-    return max(float(np.ptp(piece.cut.points[:, 0])) for piece in pieces.pieces) + 2.0 * SHEET_PIECE_GAP
+    return max(float(np.ptp(piece.cut.points[:, 0])) for piece in pieces.cut_pieces) + 2.0 * SHEET_BORDER
 
 
 def arrange_pieces(pieces: PieceSet, width: float) -> Sheet:
@@ -47,23 +50,24 @@ def arrange_pieces(pieces: PieceSet, width: float) -> Sheet:
     shifts, size = pack_pieces(pieces, width)
     lines = tuple(
         tuple(replace(line, points=line.points + shift) for line in draw_lines(piece))
-        for piece, shift in zip(pieces.pieces, shifts, strict=True)
+        for piece, shift in zip(pieces.cut_pieces, shifts, strict=True)
     )
     texts = tuple(
-        tuple(replace(text, centre=text.centre + shift) for text in place_texts(piece, list_texts(pieces, n)))
-        for n, (piece, shift) in enumerate(zip(pieces.pieces, shifts, strict=True))
+        tuple(
+            replace(text, centre=text.centre + shift)
+            for text in (*place_texts(piece, list_texts(pieces, n)), *name_lines(piece))
+        )
+        for n, (piece, shift) in enumerate(zip(pieces.cut_pieces, shifts, strict=True))
     )
     return Sheet(pieces, shifts, size, lines, texts)
 
 
 def pack_pieces(pieces: PieceSet, width: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the translation of each piece to its place on a sheet [m], shape [n, 2], and the sheet's size [m]."""
-    low = np.array([piece.cut.points.min(axis=0) for piece in pieces.pieces])
-    sizes = np.array([piece.cut.points.max(axis=0) for piece in pieces.pieces]) - low
+    low = np.array([piece.cut.points.min(axis=0) for piece in pieces.cut_pieces])
+    sizes = np.array([piece.cut.points.max(axis=0) for piece in pieces.cut_pieces]) - low
     corners = (
-        pack_on_shelves(
-            sizes, SHEET_PIECE_GAP, max(width, min_sheet_width(pieces)) - 2.0 * SHEET_PIECE_GAP, stacked=True
-        )
-        + SHEET_PIECE_GAP
+        pack_on_shelves(sizes, SHEET_PIECE_GAP, max(width, min_sheet_width(pieces)) - 2.0 * SHEET_BORDER, stacked=True)
+        + SHEET_BORDER
     )
-    return corners - low, (corners + sizes).max(axis=0) + SHEET_PIECE_GAP
+    return corners - low, (corners + sizes).max(axis=0) + SHEET_BORDER

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...garment.meshing import points_in_polygon
 from ...garment.pieces.piece import PieceSet
-from .cover_page import cover_content, legend_content
+from .cover_page import cover_content, instruction_contents, legend_content
 from .drawing import Layer, keep_latin
 from .papers import Paper, find_paper
 from .pdf_file import Page, pdf_bytes, show_text
@@ -24,6 +24,9 @@ TILE_MARGIN_MM = 10.0
 
 TILE_OVERLAP_MM = 10.0
 """Width of the strip that two neighbouring sheets share [mm]."""
+
+TILE_SAMPLE_STEP = 0.04
+"""Distance between the places within a piece at which it is looked up which sheets show it [m]: less than a sheet."""
 
 DIAMOND_HALF_DIAGONAL_MM = 6.0
 """Half diagonal of the marks by which sheets are aligned [mm]."""
@@ -58,6 +61,7 @@ def pieces_pdf(pieces: PieceSet, paper: Paper) -> bytes:
     sheet, tiling = tile_pieces(pieces, paper)
     pages = [Page(paper.width, paper.height, cover_content(sheet, tiling))]
     pages += [_page(sheet, tiling, number) for number in range(len(tiling.tiles))]
+    pages += [Page(paper.width, paper.height, one) for one in instruction_contents(pieces, paper.width, paper.height)]
     return pdf_bytes(pages, title, draw_sheet(sheet))
 
 
@@ -70,7 +74,7 @@ def tile_pieces(pieces: PieceSet, paper: Paper) -> tuple[Sheet, Tiling]:
     for columns in range(max(least, 1), max(least, 1) + 5):
         width = (columns * step[0] + TILE_OVERLAP_MM) / 1e3
         shifts, size = pack_pieces(pieces, width)
-        outlines = [piece.cut.points + shift for piece, shift in zip(pieces.pieces, shifts, strict=True)]
+        outlines = [piece.cut.points + shift for piece, shift in zip(pieces.cut_pieces, shifts, strict=True)]
         tiles = _find_tiles(outlines, size, step)
         found.append((len(tiles), columns, width, tiles))
     _, _, width, tiles = min(found, key=lambda one: one[:2])
@@ -78,21 +82,42 @@ def tile_pieces(pieces: PieceSet, paper: Paper) -> tuple[Sheet, Tiling]:
 
 
 def _find_tiles(outlines: list[np.ndarray], size: np.ndarray, step: tuple[float, float]) -> tuple[Tile, ...]:
-    """Return the tiles that show a part of a piece, row by row from the top."""
+    """Return the tiles that are needed to show all pieces, row by row from the top. What lies on the strip that two
+    sheets share is shown by either: a piece that reaches into it by millimetres needs no sheet of its own."""
     counts = np.maximum(np.ceil((size * 1e3 - TILE_OVERLAP_MM) / step).astype(int), 1)
-    shown = np.zeros((counts[1], counts[0]), dtype=bool)
+    needed = np.zeros((counts[1], counts[0]), dtype=bool)
+    shared: list[tuple[tuple[int, ...], tuple[int, ...]]] = []
     for outline in outlines:
-        ends = np.roll(outline, -1, axis=0)
-        parts = int(np.ceil(np.linalg.norm(ends - outline, axis=1).max() / 2e-3))
-        share = np.arange(parts)[:, None, None] / parts
-        dense = 1e3 * (outline + share * (ends - outline)).reshape(-1, 2)
-        column = np.clip((dense[:, 0] / step[0]).astype(int), 0, counts[0] - 1)
-        row = np.clip(((size[1] * 1e3 - dense[:, 1]) / step[1]).astype(int), 0, counts[1] - 1)
-        shown[row, column] = True
-        rows, columns = np.indices(shown.shape)
-        middles = np.stack([(columns + 0.5) * step[0], size[1] * 1e3 - (rows + 0.5) * step[1]], axis=-1).reshape(-1, 2)
-        shown |= points_in_polygon(outline, middles / 1e3).reshape(shown.shape)
-    return tuple(Tile(int(row), int(column)) for row, column in np.argwhere(shown))
+        dense = _sample_piece(outline)
+        columns = _list_shown(1e3 * dense[:, 0], step[0], int(counts[0]))
+        rows = _list_shown(1e3 * (size[1] - dense[:, 1]), step[1], int(counts[1]))
+        for row, column in {*zip(rows, columns, strict=True)}:
+            if len(row) == len(column) == 1:
+                needed[row[0], column[0]] = True
+            else:
+                shared.append((row, column))
+    for row, column in sorted(shared):
+        if not needed[np.ix_(row, column)].any():
+            needed[row[0], column[0]] = True
+    return tuple(Tile(int(row), int(column)) for row, column in np.argwhere(needed))
+
+
+def _list_shown(places: np.ndarray, step: float, count: int) -> list[tuple[int, ...]]:
+    """Return the sheets that show each of some places across them [mm]: one, or two on the strip that they share."""
+    last = np.clip((places / step).astype(int), 0, count - 1)
+    is_shared = (places - last * step <= TILE_OVERLAP_MM) & (last > 0)
+    return [(int(k) - 1, int(k)) if both else (int(k),) for k, both in zip(last, is_shared, strict=True)]
+
+
+def _sample_piece(outline: np.ndarray) -> np.ndarray:
+    """Return points of an outline and within it, no square of `TILE_SAMPLE_STEP` without one [m], shape [n, 2]."""
+    ends = np.roll(outline, -1, axis=0)
+    parts = int(np.ceil(np.linalg.norm(ends - outline, axis=1).max() / 2e-3))
+    share = np.arange(parts)[:, None, None] / parts
+    low, high = outline.min(axis=0), outline.max(axis=0)
+    axes = [np.arange(low[k], high[k], TILE_SAMPLE_STEP) for k in (0, 1)]
+    grid = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
+    return np.concatenate([(outline + share * (ends - outline)).reshape(-1, 2), grid[points_in_polygon(outline, grid)]])
 
 
 def draw_sheet(sheet: Sheet) -> str:
@@ -132,10 +157,20 @@ def _page(sheet: Sheet, tiling: Tiling, number: int) -> Page:
         _draw_overlaps(tiling, tile),
         "Q\n",
         f"0.6 G 0.15 w [] 0 d {TILE_MARGIN_MM:.3f} {TILE_MARGIN_MM:.3f} {wide:.3f} {tall:.3f} re S 0 G\n",
-        show_text(TILE_MARGIN_MM, 4.5, 3.5, f"{tile.name}   sheet {number + 1} of {len(tiling.tiles)}", True),
-        show_text(TILE_MARGIN_MM + 45.0, 4.5, 3.0, f"{keep_latin(sheet.pieces.name)}, print at 100 %, no fit to page"),
+        f"0.4 g\n{_label_sheet(sheet, tiling, number)}0 g\n",
     ]
     return Page(tiling.paper.width, tiling.paper.height, "".join(parts))
+
+
+def _label_sheet(sheet: Sheet, tiling: Tiling, number: int) -> str:
+    """Return the operators of a sheet's name and number, and of the garment's name, clear of the strips that are cut or
+    pasted: many printers leave out the paper's edge."""
+    tile, inset = tiling.tiles[number], TILE_MARGIN_MM + TILE_OVERLAP_MM + 2.0
+    y = tiling.paper.height - inset - 3.0
+    name = f"{tile.name}   sheet {number + 1} of {len(tiling.tiles)}"
+    return show_text(inset, y, 3.5, name, True) + show_text(
+        inset + 45.0, y, 3.0, f"{keep_latin(sheet.pieces.name)}, print at 100 %, no fit to page"
+    )
 
 
 def _draw_overlaps(tiling: Tiling, tile: Tile) -> str:

@@ -6,7 +6,7 @@ from ...run.errors import BadInput
 
 
 class AllowanceBad(BadInput):
-    """Seam allowances are given as none, or as EDGE=MILLIMETRES with commas between: seam=10,hem=25."""
+    """Seam allowances are given as none, 15mm, 5/8in, or EDGE=WIDTH with commas between: seam=10,hem=1in."""
 
     code = "pieces.allowance"
 

@@ -34,5 +34,15 @@ def flatten_outline(panel: Panel, tolerance: float = FLATTENING_TOLERANCE) -> tu
     return np.concatenate(parts), np.repeat(np.arange(len(parts)), [len(part) for part in parts])
 
 
+def distance_to_line(points: np.ndarray, line: np.ndarray, is_closed: bool = True) -> np.ndarray:
+    """Return the distance of points, shape [n, 2], from a polygon line, shape [k, 2] [m], shape [n]."""
+    ends = np.roll(line, -1, axis=0) if is_closed else line[1:]
+    starts = line if is_closed else line[:-1]
+    step = ends - starts
+    share = ((points[:, None] - starts) * step).sum(axis=2) / np.maximum((step**2).sum(axis=1), 1e-18)
+    feet = starts + np.clip(share, 0.0, 1.0)[..., None] * step
+    return np.asarray(np.linalg.norm(points[:, None] - feet, axis=2).min(axis=1))
+
+
 def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])

@@ -25,8 +25,8 @@ def fold_piece(piece: Piece, mirrored: MirroredGroup) -> Piece | None:
         piece: The whole piece, cut once, its grainline along +y.
         mirrored: Its symmetry.
     """
-    axis = mirrored.translation[0] / 2.0
-    if abs(mirrored.rotation[0, 1]) > np.sin(2.0 * MAX_FOLD_AXIS_ANGLE) or mirrored.rotation[0, 0] > 0.0:
+    axis = find_fold_axis(mirrored)
+    if axis is None:
         return None
     by_source = {edge.source: i for i, edge in enumerate(piece.edges)}
     twins = [by_source.get(ref, -1) for ref in mirrored.mirrors]
@@ -58,7 +58,19 @@ def fold_piece(piece: Piece, mirrored: MirroredGroup) -> Piece | None:
         darts=tuple(line for line in piece.darts if line[:, 0].min() > axis - FOLD_AXIS_TOLERANCE),
         drills=piece.drills[piece.drills[:, 0] > axis - FOLD_AXIS_TOLERANCE],
         grain=grain,
+        lines=tuple(
+            replace(line, points=np.maximum(line.points, [axis, -np.inf]))
+            for line in piece.lines
+            if line.points[:, 0].max() > axis - FOLD_AXIS_TOLERANCE
+        ),
     )
+
+
+def find_fold_axis(mirrored: MirroredGroup) -> float | None:
+    """Return the x of the axis of a symmetric piece [m]; None where it does not lie along the warp."""
+    if abs(mirrored.rotation[0, 1]) > np.sin(2.0 * MAX_FOLD_AXIS_ANGLE) or mirrored.rotation[0, 0] > 0.0:
+        return None
+    return float(mirrored.translation[0]) / 2.0
 
 
 def _halve_edges(

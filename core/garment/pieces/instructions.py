@@ -10,7 +10,8 @@ from ..curves import edge_length
 from .piece import CLOSURE_EDGE_USES, EdgeUse, Piece, PieceSet, SeamWalk
 
 OPEN_EDGE_NAMES: Mapping[EdgeUse, str] = MappingProxyType({
-    EdgeUse.VENT: "vent edges", EdgeUse.PLACKET: "sleeve slit", EdgeUse.FRONT: "front edges",
+    EdgeUse.FACED: "faced edges", EdgeUse.VENT: "vent edges", EdgeUse.PLACKET: "sleeve slit",
+    EdgeUse.FRONT: "front edges",
     EdgeUse.NECK: "neck edge", EdgeUse.ARMHOLE: "armhole edge", EdgeUse.WRAP: "wrap edges",
     EdgeUse.WAIST: "waist edge", EdgeUse.CUFF: "sleeve hem", EdgeUse.LEG: "leg hem", EdgeUse.HEM: "hem",
     EdgeUse.OPEN: "open edges",
@@ -26,6 +27,14 @@ PRESSING: Mapping[str, str] = MappingProxyType({
     "neck seam": "press into the collar", "cuff seam": "press into the cuff", "hood crown seam": "press to one side",
 })  # fmt: skip
 """How the allowances of a seam are pressed, by the end of its name; others are pressed open, or to the back."""
+
+
+FINISHES: Mapping[str, str] = MappingProxyType({
+    "rib seam": "join the ends, fold lengthwise, stretch evenly to fit, overlock",
+    "facing seam": "join the facings, sew right sides together, trim, turn in, understitch",
+    "binding seam": "fold round the edge, stitch", "casing seam": "sew on, turn in, stitch, draw in the cord",
+})  # fmt: skip
+"""How a piece that finishes an opening is sewn on, by the end of the seam's name."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +68,7 @@ class SewingStep:
 def list_sewing_steps(pieces: PieceSet) -> tuple[SewingStep, ...]:
     """Return the steps of sewing in order: each seam once, then each kind of open edge."""
     steps: dict[int, list[SeamWalk]] = {}
-    for seam in pieces.seams:
+    for seam in (*pieces.seams, *pieces.finishes):
         steps.setdefault(seam.step, []).append(seam)
     return (
         *(_describe_seam(pieces, steps[number]) for number in sorted(steps)),
@@ -70,7 +79,7 @@ def list_sewing_steps(pieces: PieceSet) -> tuple[SewingStep, ...]:
 def _describe_seam(pieces: PieceSet, seams: list[SeamWalk]) -> SewingStep:
     count = 2 if seams[0].is_paired else 1
     lengths = tuple(sum(seam.lengths[k] for seam in seams) / count for k in (0, 1))
-    use = pieces.pieces[seams[0].sides[0][0].piece].edges[seams[0].sides[0][0].edge].use
+    use = pieces.cut_pieces[seams[0].sides[0][0].piece].edges[seams[0].sides[0][0].edge].use
     return SewingStep(
         seams[0].name, _list_sides(pieces, seams), count, (lengths[0], lengths[1]), _choose_finish(pieces, seams, use)
     )
@@ -81,15 +90,17 @@ def _list_sides(pieces: PieceSet, seams: list[SeamWalk]) -> tuple[tuple[str, ...
     one: list[str] = []
     other: list[str] = []
     for seam in seams:
-        first, second = ([pieces.pieces[part.piece].name for part in side] for side in seam.sides)
+        first, second = ([pieces.cut_pieces[part.piece].name for part in side] for side in seam.sides)
         if {*first} & {*other} or {*second} & {*one}:
             first, second = second, first
-        one += [name for name in first if name not in one]
-        other += [name for name in second if name not in other]
-    return tuple(one), tuple(other)
+        one += first
+        other += second
+    return tuple(dict.fromkeys(one)), tuple(dict.fromkeys(other))
 
 
 def _choose_finish(pieces: PieceSet, seams: list[SeamWalk], use: EdgeUse) -> str:
+    if seams[0] in pieces.finishes:
+        return next(text for end, text in FINISHES.items() if seams[0].name.endswith(end))
     if use in CLOSURE_EDGE_USES:
         return "sew in the zip" if use is EdgeUse.ZIP else "turn the button stands, make buttonholes, sew on buttons"
     name = seams[0].name.rstrip(" 0123456789")
@@ -113,8 +124,14 @@ def _choose_finish(pieces: PieceSet, seams: list[SeamWalk], use: EdgeUse) -> str
 def _describe_openings(pieces: PieceSet) -> list[SewingStep]:
     """Return a step for each kind of open edge."""
     steps = []
+    finished = {(side.piece, side.edge) for seam in pieces.finishes for side in seam.sides[0]}
     for use, name in OPEN_EDGE_NAMES.items():
-        found = [(piece, i) for piece in pieces.pieces for i, edge in enumerate(piece.edges) if edge.use == use]
+        found = [
+            (piece, i)
+            for number, piece in enumerate(pieces.pieces)
+            for i, edge in enumerate(piece.edges)
+            if edge.use == use and (number, i) not in finished
+        ]
         if not found:
             continue
         total = sum(_edge_total(piece, i) for piece, i in found)
@@ -133,6 +150,8 @@ def _edge_total(piece: Piece, edge: int) -> float:
 
 
 def _finish_opening(pieces: PieceSet, use: EdgeUse, width: float) -> str:
+    if use is EdgeUse.FACED:
+        return "sew on the inner half, trim, turn, press"
     if width == 0.0:
         return "bind"
     if use in (EdgeUse.HEM, EdgeUse.CUFF, EdgeUse.LEG):

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...geometry.rigid import plane_rotation
 from ..polygon import polygon_area
-from .piece import Piece
+from .piece import Material, Piece
 from .shelf_packing import pack_on_shelves
 
 CLOTH_WIDTH = 1.40
@@ -15,6 +16,9 @@ CLOTH_WIDTH = 1.40
 
 CLOTH_GAP = 0.01
 """Free space between pieces on cloth [m]: room for the blade."""
+
+BIAS_ANGLE = np.deg2rad(45.0)
+"""Angle between the warp and a piece cut on the bias [rad]."""
 
 FOLD_LINE_TOLERANCE = 1e-9
 """Distance to the fold [m] below which a point is on it: folding sets them exactly there."""
@@ -54,7 +58,7 @@ class Lay:
 
 
 def lay_on_cloth(pieces: tuple[Piece, ...], width: float = CLOTH_WIDTH) -> Lay:
-    """Return the cloth that all copies of pieces need, folded ones opened, all with their grainline along the cloth. A
+    """Return the cloth that all copies of its pieces need, folded ones opened, all with their grainline along it. A
     shelf layout of bounding boxes, smaller pieces stacked beside taller ones; a cutter finds a shorter one by hand."""
     copies = list_copies(pieces)
     sizes = np.array([np.ptp(copy.outline, axis=0) for copy in copies]).reshape(-1, 2)
@@ -69,10 +73,13 @@ def lay_on_cloth(pieces: tuple[Piece, ...], width: float = CLOTH_WIDTH) -> Lay:
 
 
 def list_copies(pieces: tuple[Piece, ...]) -> list[Copy]:
-    """Return the copies of pieces: half of a pair's mirrored, folded ones opened."""
+    """Return the copies of pieces of cloth: half of a pair's mirrored, folded ones opened."""
     found = []
     for piece in pieces:
+        if piece.material is not Material.CLOTH:
+            continue
         outline = piece.cut.points if piece.fold is None else _unfold(piece)
+        outline = outline @ plane_rotation(BIAS_ANGLE).T if piece.is_bias else outline
         mirrored = (outline * [-1.0, 1.0])[::-1]
         for number in range(piece.quantity):
             found.append(Copy(piece.name, mirrored if piece.pair and number % 2 else outline))

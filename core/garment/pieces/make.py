@@ -8,24 +8,27 @@ import numpy as np
 
 from ..creases import find_turned_panels, is_crease
 from ..grain import list_unknown_grains
-from ..meshing import points_in_polygon
 from ..orientation import place_points
 from ..outline import PLACKET_CONTOUR, is_vent_side
 from ..panel_parts import find_arm_panels
-from ..pattern import EdgeRef, Panel, Pattern
+from ..pattern import EdgeRef, Pattern
 from .allowance import Allowances
 from .closure import find_closure
 from .darts import dart_lines, find_darts, find_slits, fold_mouth
-from .flatten import flatten_edge, flatten_outline
-from .folding import fold_piece
+from .doubled import is_folded_double, is_lined, unfold_double
+from .finishing import Finishes, draft_finishes
+from .flatten import flatten_edge
+from .folding import find_fold_axis, fold_piece
+from .grain_line import draw_grain
 from .joining import Group, join_halves, turn_group
+from .marked_lines import PanelLevel, mark_lines
 from .marks import Mark, collect_marks, find_gathered_runs, turn_marks
 from .missing_parts import list_missing
 from .naming import name_pieces
 from .notches import place_notches
 from .offset import offset_outline
 from .pairing import MirroredGroup, find_twins, pair_groups
-from .piece import EdgeUse, Piece, PieceEdge, PieceSet
+from .piece import EdgeUse, Material, Piece, PieceEdge, PieceSet
 from .sewing_order import order_seams
 from .trueing import Trueing, true_pattern
 
@@ -43,21 +46,26 @@ PIECE_ORDER = ("body", "front", "back", "leg", "skirt", "sleeve", "band", "cuff"
 @dataclass(frozen=True)
 class Style:
     """Describe the style that pieces are labelled with: its name, its size by girths and the name of its cloth, or
-    empty texts."""
+    empty texts; whether that cloth stretches as a knit does; further lines of the title, label and value; and the
+    levels of the wearer's body on the panels."""
 
     name: str = ""
     size: str = ""
     fabric: str = ""
+    is_stretchy: bool = False
+    details: tuple[tuple[str, str], ...] = ()
+    levels: tuple[PanelLevel, ...] = ()
 
 
 @dataclass(frozen=True)
 class PieceSettings:
-    """Describe how pieces are made: seam allowances, whether symmetric pieces are drawn as a half on the fold, and
-    whether lines are trued where they cross seams."""
+    """Describe how pieces are made: seam allowances, whether symmetric pieces are drawn as a half on the fold,
+    whether lines are trued where they cross seams, and whether pieces that finish openings are drafted."""
 
     allowances: Allowances = field(default_factory=Allowances)
     fold: bool = False
     is_trued: bool = True
+    is_finished: bool = True
 
 
 def make_pieces(
@@ -91,17 +99,27 @@ def make_pieces(
     ]
     marks = collect_marks(pattern)
     pieces = tuple(
-        _make_piece(pattern, one, name, settings, marks)
+        _make_piece(pattern, one, name, settings, (marks, style.levels))
         for one, name in zip(drawn, name_pieces(pattern, members), strict=True)
     )
+    seams = order_seams(pattern, pieces, find_twins(pattern))
+    finishes, is_turned = Finishes(), bool(find_turned_panels(pattern))
+    if settings.is_finished:
+        last = max((seam.step for seam in seams), default=0)
+        has_ribs = style.is_stretchy and not is_turned
+        finishes = draft_finishes(pieces, last, settings.allowances, has_ribs)
     return PieceSet(
         style.name or pattern.name,
         style.size,
         style.fabric,
         pieces,
-        order_seams(pattern, pieces, find_twins(pattern)),
-        list_missing(pieces, bool(find_turned_panels(pattern))),
+        seams,
+        list_missing(pieces, finishes.uses, is_turned),
         trueing.lines,
+        style.is_stretchy,
+        finishes.pieces,
+        finishes.seams,
+        style.details,
     )
 
 
@@ -123,9 +141,9 @@ def _make_piece(
     drawn: Group | MirroredGroup,
     name: str,
     settings: PieceSettings,
-    marks: dict[EdgeRef, tuple[Mark, ...]],
+    marked: tuple[dict[EdgeRef, tuple[Mark, ...]], tuple[PanelLevel, ...]],
 ) -> Piece:
-    group = _group(drawn)
+    group, (marks, levels) = _group(drawn), marked
     pair = isinstance(drawn, MirroredGroup) and not drawn.is_symmetric
     twins: tuple[EdgeRef | None, ...] = (
         drawn.mirrors if isinstance(drawn, MirroredGroup) and pair else (None,) * len(group.sources)
@@ -141,26 +159,37 @@ def _make_piece(
     wedges = (*darts, *slits)
     mouths = {span: fold_mouth(group.net, span, _is_laid_back(pattern, group, span)) for span in darts}
     mouths |= {(first, last): group.net.points[[first, (last + 1) % len(edges)]] for first, last in slits}
-    offset = offset_outline(group.net, edges, mouths)
-    along = [_edge_marks(marks, edge) for edge in edges]
-    cut, notches = place_notches(group.net, edges, along, offset, wedges, _find_passed(pattern, group))
-    lines, tips = dart_lines(group.net, wedges, [flatten_edge(group.net, i) for i in range(len(edges))])
+    net, along, passed = group.net, [_edge_marks(marks, edge) for edge in edges], _find_passed(pattern, group)
+    names = [place.panel for place in group.places]
+    double = unfold_double(net, edges) if is_folded_double(names) and not wedges else None
+    if double is not None:
+        net, edges, passed = double.net, double.edges, []
+        along = [turn_marks(along[i]) if mirrored else along[i] for i, mirrored in double.origins]
+    offset = offset_outline(net, edges, mouths)
+    cut, notches = place_notches(net, edges, along, offset, wedges, passed)
+    lines, tips = dart_lines(net, wedges, [flatten_edge(net, i) for i in range(len(edges))])
+    lined = is_lined(pattern, names)
+    quantity, is_whole = (2 if pair else 1), isinstance(drawn, MirroredGroup) and drawn.is_symmetric
     piece = Piece(
         name=name,
-        net=replace(group.net, name=name, notches=()),
+        net=replace(net, name=name, notches=()),
         edges=edges,
         places=group.places + (drawn.places if isinstance(drawn, MirroredGroup) else ()),
-        quantity=2 if pair else 1,
-        pair=pair,
+        quantity=2 * quantity if lined else quantity,
+        pair=pair or (lined and not is_whole),
         fold=None,
         cut=cut,
         notches=notches,
-        darts=(*lines, *_crease_lines(pattern, group)),
+        darts=(*lines, *_crease_lines(pattern, group), *(() if double is None else (double.fold,))),
         drills=tips,
-        grain=_draw_grain(group.net),
-        is_grain_known=list_unknown_grains(pattern).isdisjoint(place.panel for place in group.places),
+        grain=draw_grain(net),
+        is_grain_known=list_unknown_grains(pattern).isdisjoint(names),
+        material=Material.RIB if double is not None else Material.CLOTH,
+        interfaced=quantity if lined and "elastic" not in net.label else 0,
     )
-    if settings.fold and isinstance(drawn, MirroredGroup) and drawn.is_symmetric:
+    axis = find_fold_axis(drawn) if isinstance(drawn, MirroredGroup) and drawn.is_symmetric else None
+    piece = mark_lines(pattern, piece, axis, levels)
+    if settings.fold and double is None and isinstance(drawn, MirroredGroup) and drawn.is_symmetric:
         return fold_piece(piece, drawn) or piece
     return piece
 
@@ -223,6 +252,7 @@ def _describe_edge(
     else:
         edge = pattern.panel(ref.panel).edges[ref.edge]
         use = EdgeUse.VENT if is_vent_side(edge) else CONTOURS.get(edge.contour.split(".")[0], EdgeUse.OPEN)
+        use = EdgeUse.FACED if is_lined(pattern, (ref.panel,)) else use
     return PieceEdge(use, settings.allowances.widths[use], ref, mirror=mirror)
 
 
@@ -232,25 +262,3 @@ def _edge_marks(marks: dict[EdgeRef, tuple[Mark, ...]], edge: PieceEdge) -> tupl
     other = turn_marks(marks.get(edge.mirror, ())) if edge.mirror else ()
     more = tuple(mark for mark in other if all(abs(mark.at - known.at) > 1e-6 for known in marks_of_edge))
     return tuple(sorted((*marks_of_edge, *more), key=lambda mark: mark.at))
-
-
-def _draw_grain(net: Panel) -> np.ndarray:
-    """Return the line to be drawn along the warp [m], shape [2, 2]: four fifths of an upright line, at most 0.4 m. Of
-    upright lines nearly as long as the longest, the one nearest to a third of the width is taken, away from the texts
-    in the middle."""
-    outline = flatten_outline(net)[0]
-    low, high = outline.min(axis=0), outline.max(axis=0)
-    ys = np.linspace(low[1], high[1], 202)[1:-1]
-    found = [(0.0, outline.mean(axis=0), outline.mean(axis=0))]
-    for x in np.linspace(low[0], high[0], 21)[1:-1]:
-        inside = points_in_polygon(outline, np.stack([np.full(200, x), ys], axis=1))
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(int)))
-        found += [
-            (float(ys[b - 1] - ys[a]), np.array([x, ys[a]]), np.array([x, ys[b - 1]])) for a, b in edges.reshape(-1, 2)
-        ]
-    longest = max(length for length, _, _ in found)
-    third = low[0] + (high[0] - low[0]) / 3.0
-    long = [one for one in found if one[0] >= 0.85 * longest]
-    length, start, end = min(long, key=lambda one: (abs(float(one[1][0]) - third), float(one[1][1])))
-    middle, half = (start + end) / 2.0, min(0.4 * length, 0.2)
-    return np.array([middle - [0.0, half], middle + [0.0, half]])

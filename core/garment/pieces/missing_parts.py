@@ -5,66 +5,48 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from ..parts.hoods import HOOD_LABEL
-from .piece import EdgeUse, Piece
-
-DOUBLED_PANEL_WORDS = ("rib", "turtleneck")
-"""Words of the names of panels that are drawn as worn, and worn folded at their free edge."""
+from .doubled import is_folded_double
+from .piece import EdgeUse, Material, Piece
 
 
-def is_doubled(piece: Piece) -> bool:
-    """Check whether a piece is worn folded in two, and drawn once."""
-    words = {word for place in piece.places for word in place.panel.split("_")}
-    return any(word in words for word in DOUBLED_PANEL_WORDS)
-
-
-def list_missing(pieces: Collection[Piece], turned: bool = False) -> tuple[str, ...]:
-    """Return what is missing for a wearable garment, one line each. The free edge of a doubled piece is folded.
+def list_missing(
+    pieces: Collection[Piece], finished: Collection[EdgeUse] = (), turned: bool = False
+) -> tuple[str, ...]:
+    """Return what is missing for a wearable garment, one line each.
 
     Args:
         pieces: Of the garment.
+        finished: Uses of the edges for which there are ribs, facings or bindings.
         turned: True where it has a collar or lapels that turn over, and so show their other side.
     """
-    uses = {edge.use for piece in pieces if not is_doubled(piece) for edge in piece.edges}
-    bands = [piece.net.label for piece in pieces if _is_sewn_to_a_waist(piece)]
-    banded = any("band" in label for label in bands)
-    elastic = any("elastic" in label for label in bands)
+    doubled = [piece for piece in pieces if is_folded_double(place.panel for place in piece.places)]
+    uses = {edge.use for piece in pieces if piece not in doubled for edge in piece.edges} - {*finished}
+    elastic = any("elastic" in piece.net.label for piece in pieces)
+    is_at_waist = EdgeUse.WAIST in uses or any("band" in piece.net.label for piece in pieces if piece not in doubled)
     lines = []
     if turned:
-        lines.append(
-            "upper side of what turns over: upper collar, facings with lapels; interfacing of both and of a stand"
-        )
+        lines.append("turn of the cloth: trim the under side of what turns over by 2 to 3 mm; facing of the back neck")
     elif EdgeUse.NECK in uses and any(piece.net.label == HOOD_LABEL for piece in pieces):
-        lines.append("facing or casing of the hood's face edge, drawstring, and tape over the neck seam")
+        lines.append("tape over the hood's neck seam")
     elif EdgeUse.NECK in uses:
         lines.append("finish of the neck: rib, binding or facing")
     if EdgeUse.ARMHOLE in uses:
         lines.append("finish of the armholes: binding or facing")
     if EdgeUse.FRONT in uses:
         lines.append("facings of the front edges, and their interfacing")
-    if EdgeUse.ZIP in uses:
-        lines.append("zip at the centre front, as long as the seam there")
     if EdgeUse.BUTTONS in uses:
-        lines.append("buttons and buttonholes, facings and interfacing of the button stands")
+        lines.append("facings and interfacing of the button stands")
     if EdgeUse.WRAP in uses:
         lines.append("hem of the inner front's lower edge, or its place in the waist seam; ties at both fronts' ends")
     if EdgeUse.VENT in uses:
         lines.append("stay at the upper end of each vent; lining or binding of its lap")
     if EdgeUse.PLACKET in uses:
         lines.append("binding, or placket, of each sleeve's slit")
-    if EdgeUse.WAIST in uses and banded:
-        inner = "elastic" if elastic else "interfacing"
-        lines.append(f"facing or inner half of the waistband, and its {inner}")
-    if EdgeUse.WAIST in uses and not elastic:
+    if is_at_waist and not elastic:
         lines.append("closure at the waist: zip and button, or elastic")
     if EdgeUse.OPEN in uses:
         lines.append("finish of unnamed open edges: hem, binding or facing")
-    if any(map(is_doubled, pieces)):
-        lines.append("inner layer of ribs: each is drawn as worn; cut it twice as wide, and fold it at its free edge")
-    lines += ["closures elsewhere, pockets, linings, labels", "true size name: the size is given by girths"]
+    if any(piece.material is not Material.RIB for piece in doubled):
+        lines.append("inner layer of curved ribs: each is drawn as worn")
+    lines += ["pockets, linings, labels", "true size name: the size is given by girths"]
     return tuple(lines)
-
-
-def _is_sewn_to_a_waist(piece: Piece) -> bool:
-    """Check whether a piece has a waist's free edge and seams, gathered ones too."""
-    uses = {edge.use for edge in piece.edges}
-    return EdgeUse.WAIST in uses and bool(uses & {EdgeUse.SEAM, EdgeUse.GATHERED})

@@ -10,7 +10,7 @@ from ..curves import edge_length
 from ..pattern import Pattern
 from ..polygon import polygon_area
 from .layout import lay_on_cloth
-from .make import make_pieces
+from .make import PieceSettings, make_pieces
 from .piece import Piece, PieceSet
 
 
@@ -49,13 +49,14 @@ class CutNumbers:
 def measure_pieces(pattern: Pattern) -> CutNumbers:
     """Return the numbers of a pattern's pieces with the usual allowances; none where no pieces can be cut of it."""
     try:
-        return CutNumbers(*describe_pieces(make_pieces(pattern)))
+        return CutNumbers(*describe_pieces(make_pieces(pattern, PieceSettings(is_finished=False))))
     except BadInput:
         return CutNumbers()
 
 
 def describe_pieces(pieces: PieceSet) -> tuple[tuple[PieceNumbers, ...], dict[str, float | None]]:
-    """Return the numbers of each piece, and those of the garment by dotted name."""
+    """Return the numbers of each piece of the pattern's panels, and those of the garment by dotted name; pieces that
+    finish edges are not counted."""
     found = tuple(_measure(piece) for piece in pieces.pieces)
     lay = lay_on_cloth(pieces.pieces)
     return found, {

@@ -12,7 +12,7 @@ from ..mirrors import PLACE_TOLERANCE
 from ..orientation import place_points
 from ..pattern import EdgeRef, Pattern
 from ..symmetry import find_symmetry
-from .flatten import flatten_edge, flatten_outline
+from .flatten import distance_to_line, flatten_edge, flatten_outline
 from .joining import Group
 from .piece import PanelPlace
 
@@ -154,7 +154,7 @@ def _misfit(group: Group, other: Group) -> float:
     )
     if np.abs(np.ptp(own, axis=0) - np.ptp(image, axis=0)).max() > 2.0 * TRUED_MIRROR_TOLERANCE:
         return float("inf")
-    return float(max(_distance(own, image).max(), _distance(image, own).max()))
+    return float(max(distance_to_line(own, image).max(), distance_to_line(image, own).max()))
 
 
 def _mirror_outline(group: Group, other: Group) -> MirroredGroup:
@@ -162,20 +162,10 @@ def _mirror_outline(group: Group, other: Group) -> MirroredGroup:
     rotation, move = np.diag([-1.0, 1.0]), _lay_mirrored(group, other)
     lines = [flatten_edge(other.net, i) @ rotation.T + move for i in range(len(other.sources))]
     middles = np.array([edge_points(group.net, i, 2)[1] for i in range(len(group.sources))])
-    nearest = np.argmin([_distance(middles, line, is_closed=False) for line in lines], axis=0)
+    nearest = np.argmin([distance_to_line(middles, line, is_closed=False) for line in lines], axis=0)
     misfit = _misfit(group, other)
     places = tuple(
         PanelPlace(p.panel, rotation @ p.rotation, rotation @ p.translation + move, misfit) for p in other.places
     )
     refs = tuple(other.sources[k] for k in nearest)
     return MirroredGroup(group, refs, places, rotation, move, is_symmetric=False)
-
-
-def _distance(points: np.ndarray, line: np.ndarray, is_closed: bool = True) -> np.ndarray:
-    """Return the distance of points from a polygon line [m], shape [n]."""
-    ends = np.roll(line, -1, axis=0) if is_closed else line[1:]
-    starts = line if is_closed else line[:-1]
-    step = ends - starts
-    share = ((points[:, None] - starts) * step).sum(axis=2) / np.maximum((step**2).sum(axis=1), 1e-18)
-    feet = starts + np.clip(share, 0.0, 1.0)[..., None] * step
-    return np.asarray(np.linalg.norm(points[:, None] - feet, axis=2).min(axis=1))

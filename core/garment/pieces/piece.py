@@ -28,6 +28,7 @@ class EdgeUse(StrEnum):
     VENT = "vent"
     PLACKET = "placket"
     WRAP = "wrap"
+    FACED = "faced"
     OPEN = "open"
     FOLD = "fold"
 
@@ -40,6 +41,14 @@ SEWN_EDGE_USES = (EdgeUse.SEAM, EdgeUse.GATHERED, *CLOSURE_EDGE_USES)
 
 TURNED_UP_EDGE_USES = (EdgeUse.CUFF, EdgeUse.HEM, EdgeUse.LEG, EdgeUse.WAIST)
 """Uses of edges whose allowance is turned up along them and so has to cover the cloth below it."""
+
+
+class Material(StrEnum):
+    """Describe what a piece is cut out of."""
+
+    CLOTH = "cloth"
+    RIB = "rib"
+    INTERFACING = "interfacing"
 
 
 class NotchPurpose(StrEnum):
@@ -114,6 +123,14 @@ class Notch:
 
 
 @dataclass(frozen=True)
+class MarkedLine:
+    """Describe a line that is marked on a piece by its name, `CF` or `waist`: points [m], shape [n, 2]."""
+
+    name: str
+    points: np.ndarray
+
+
+@dataclass(frozen=True)
 class CutLine:
     """Describe the cut line of a piece: a closed polygon, counter-clockwise.
 
@@ -146,6 +163,10 @@ class Piece:
         drills: Points that are marked within it, tips of darts [m], shape [n, 2].
         grain: Both ends of the line to be drawn along the warp [m], shape [2, 2].
         is_grain_known: False where the line only stands for the panel's own +y.
+        material: What it is cut out of.
+        interfaced: How many copies are also cut out of interfacing.
+        is_bias: True where the warp runs at 45 degrees to the piece's +y.
+        lines: Centre front and back, and the levels of bust, waist and hips.
     """
 
     name: str
@@ -161,6 +182,10 @@ class Piece:
     drills: np.ndarray
     grain: np.ndarray
     is_grain_known: bool = True
+    material: Material = Material.CLOTH
+    interfaced: int = 0
+    is_bias: bool = False
+    lines: tuple[MarkedLine, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -228,6 +253,9 @@ class PieceSet:
         missing: What a wearable garment needs beside net panels, one line each.
         trued: Each line that was not smooth where it crosses a seam.
         is_stretchy: Whether the cloth stretches as a knit does.
+        drafted: Pieces that finish edges and are no panels of the pattern: ribs, facings, bindings.
+        finishes: The seams that sew them on; their pieces are numbered as in `cut_pieces`.
+        details: Lines of the title, label and value: the scan's name, the date, measures of the finished garment.
     """
 
     name: str
@@ -238,3 +266,11 @@ class PieceSet:
     missing: tuple[str, ...]
     trued: tuple[TruedLine, ...] = ()
     is_stretchy: bool = False
+    drafted: tuple[Piece, ...] = ()
+    finishes: tuple[SeamWalk, ...] = ()
+    details: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def cut_pieces(self) -> tuple[Piece, ...]:
+        """Return all that is cut: the pieces of the pattern's panels, then those that finish edges."""
+        return (*self.pieces, *self.drafted)
