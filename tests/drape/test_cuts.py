@@ -13,7 +13,7 @@ from garmentq.core.body.exposed import ExposedSurface
 from garmentq.core.body.girths import armpit_height
 from garmentq.core.body.projection import project_outside
 from garmentq.core.garment.curves import flat_contours
-from garmentq.core.garment.parts.cut import PARTS, PartsConflict
+from garmentq.core.garment.parts.cut import PARTS, Hood, PartsConflict
 from garmentq.core.garment.parts.part_words import differing_parts
 from garmentq.core.garment.parts.shipped_cuts import CUTS
 from garmentq.core.garment.sewing import mesh_pattern
@@ -82,7 +82,8 @@ def draw_cuts() -> tuple[str, ...]:
 def hang(name: str, gender: str, poses: tuple[str, ...]) -> None:
     """Dress a body in a cut in the T-pose, take it into poses, and check that it is whole, outside and calm there."""
     body, grid, skin = wearer(gender, "T")
-    garment = mesh_pattern(load_template(name) if gender == "female" else size_template(name, body), NODES)
+    count = NODES if find_cut(name).hood is Hood.NONE else HOOD_NODES
+    garment = mesh_pattern(load_template(name) if gender == "female" else size_template(name, body), count)
     threads, waist = build_distance_constraints(garment), waist_loop(garment)
     nodes = dress(garment, body, grid, threads=threads)
     assert len(self_intersections(nodes, garment.faces)) == 0, f"{name} in T"
@@ -261,8 +262,8 @@ def test_a_fold_in_the_lap_leaves_the_body(name: str) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize("gender", sorted(STATURES))
 @pytest.mark.parametrize("number", range(DRAWN))
-def test_a_drawn_cut_hangs_in_every_pose(number: int, gender: str) -> None:
+def test_a_drawn_cut_hangs_on_a_drawn_body_in_a_drawn_pose(number: int) -> None:
     """Breaks where two parts that draft and sew cannot be worn together."""
-    hang(draw_cuts()[number], gender, POSES)
+    rng = np.random.default_rng([20, number])
+    hang(draw_cuts()[number], str(rng.choice(sorted(STATURES))), (str(rng.choice(POSES)),))
