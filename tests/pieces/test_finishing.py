@@ -2,6 +2,7 @@
 
 import pytest
 from garmentq.core.garment.curves import edge_length
+from garmentq.core.garment.parts.collars import NECK_RIB_WIDTH
 from garmentq.core.garment.parts.ribs import RIB_RATIO
 from garmentq.core.garment.pieces.finishing import FRONT_FACING_DEPTH, NECK_FACING_DEPTH
 from garmentq.core.garment.pieces.flatten import flatten_edge, flatten_outline
@@ -9,7 +10,6 @@ from garmentq.core.garment.pieces.instructions import list_sewing_steps
 from garmentq.core.garment.pieces.layout import lay_on_cloth, list_copies
 from garmentq.core.garment.pieces.make import PieceSettings, Style, make_pieces
 from garmentq.core.garment.pieces.piece import EdgeUse, Material
-from garmentq.core.garment.pieces.strips import NECK_RIB_WIDTH
 from garmentq.core.garment.templates import load_template
 from shapely import LineString, Point, Polygon
 

@@ -21,7 +21,7 @@ from ...garment.pieces.piece import PieceSet
 from ...recover.drape.sizing import measure_wearer
 from ...reuse.wear.worn import WornGarment
 from ...run.hooks import SILENT_HOOKS, Hooks
-from .levels import find_levels
+from .levels import find_hang_height, find_levels
 from .options import ExportOptions
 from .registry import FORMATS
 
@@ -83,7 +83,7 @@ class Production:
             fabric.title or fabric.name.replace("_", " "),
             is_stretchy(fabric),
             tuple((label, value) for label, value in known if value),
-            find_levels(self.worn.pattern, self.measures),
+            find_levels(self.worn.pattern, self.measures, find_hang_height(self.worn.waist, self.worn.body)),
         )
 
     @cached_property

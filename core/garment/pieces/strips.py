@@ -6,12 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..parts.collars import NECK_RIB_WIDTH
 from ..parts.ribs import RIB_RATIO
 from ..pattern import Edge, Panel
 from .piece import EdgeUse, Material, PieceEdge
-
-NECK_RIB_WIDTH = 0.02
-"""Width of a rib at a neck or an armhole, as worn [m]: 1.5 to 2.5 cm on T-shirts."""
 
 BINDING_CUT_WIDTH = 0.04
 """Width of a double-folded binding as it is cut [m]: four times the 1 cm that is seen."""
