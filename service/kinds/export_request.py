@@ -55,7 +55,7 @@ def add_day(request: dict[str, Any], row: JobRow) -> dict[str, Any]:
     Raises:
         RequestBad: if the request itself names a day.
     """
-    if "made" in request:
+    if request.get("made"):
         raise RequestBad("the day of an export is that of its result; leave it out.")
     return request | {"made": datetime.fromtimestamp(row.created, UTC).date().isoformat()}
 
