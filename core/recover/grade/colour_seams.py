@@ -22,6 +22,19 @@ MIN_EXPLAINED_SHARE = 0.5
 """Share of the colours' variance across a seam from which one step explains them [1]: most of it. Of prints and noise
 it explains less; a stripe has two steps."""
 
+POOLED_ROW_COUNT = 7
+"""Number of neighbouring nodes whose colours are compared together [1]: 10 cm of a seam, more than a print's repeat."""
+
+MIN_TONE_DIFFERENCE = 0.15
+"""Difference of a channel over the mean one from which two colours are two cloths and not one in light and shade [1]:
+three times what a camera's noise of 5 % makes of it."""
+
+MAX_LIGHTING_RATIO = 3.0
+"""Ratio of light and shade on one cloth [1]: key light and fill light of a portrait are 2 to 3 times the fill alone."""
+
+MIN_BRIGHTNESS = 0.02
+"""Brightness of black cloth [1, of RGB in 0..1]."""
+
 MIN_SEEN_NODES = 4
 """Number of a seam's nodes that must show a step for the seam to be seen [1]: fewer may be a badge or a button."""
 
@@ -52,8 +65,8 @@ class ColourStep:
 def find_colour_steps(garment: Garment, target: Target) -> dict[PatternLine, ColourStep]:
     """Find the seams at which a scan's colours make a step, and where; none on a scan without colours.
 
-    The colours at points on both sides of each node are split in two at the place that explains most of their variance;
-    the two colours are those of the whole seam. They must explain more than a cubic, which shades follow.
+    The colours at points on both sides of each node are compared with a step (`find_steps`); within an edge of the
+    scan's mesh its colours are mixed.
 
     Args:
         garment: The garment, its nodes on the scan [m].
@@ -63,7 +76,8 @@ def find_colour_steps(garment: Garment, target: Target) -> dict[PatternLine, Col
         return {}
     surface = TriangleSurface(target.vertices, target.faces)
     normals = vertex_normals(garment.nodes, garment.faces)
-    found = {}
+    edge = np.linalg.norm(surface.vertices[target.faces[:, 0]] - surface.vertices[target.faces[:, 1]], axis=1).mean()
+    blur, found = int(np.ceil(edge / SEARCH_STEP)), {}
     for line in list_lines(garment.pattern):
         if line.is_open:
             continue
@@ -74,7 +88,7 @@ def find_colour_steps(garment: Garment, target: Target) -> dict[PatternLine, Col
         closest = surface.closest(points.reshape(-1, 3))
         colours = closest.interpolate(target.colours, target.faces).reshape(*points.shape)
         near = closest.distance.reshape(points.shape[:2]) < MAX_SURFACE_DISTANCE
-        places, is_seen = find_steps(colours, near)
+        places, is_seen = find_steps(colours, near, blur)
         if is_seen.sum() >= MIN_SEEN_NODES and is_seen.mean() > 0.5:
             shift = offsets[0] + SEARCH_STEP * places[is_seen]
             feet = garment.nodes[nodes[is_seen]] + shift[:, None] * across[is_seen]
@@ -82,70 +96,74 @@ def find_colour_steps(garment: Garment, target: Target) -> dict[PatternLine, Col
     return found
 
 
-def find_steps(colours: np.ndarray, near: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Find one step in each row of colours, between two colours of all rows.
+def find_steps(colours: np.ndarray, near: np.ndarray, blur: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    """Find one step in each row of colours, a seam's between two cloths.
 
-    With the mean colours l and r of what lies before and behind the steps k of the rows, k minimises
-    sum_{j < k} |c_j - l|^2 + sum_{j >= k} |c_j - r|^2; both are found in turn, from the best step that all rows share.
+    At the step k the least squares of c(x) = a + b x + h H(x - x_k) over the colours of a row and its neighbours, but
+    for those that the scan blurs, are least. It is seen where the step h explains most of their variance and the model
+    more than a cubic, which shades follow; where the colours differ by more than a shade; and where most rows' steps
+    are alike.
 
     Args:
         colours: Shape [row_count, m, channel_count].
         near: Whether each is on the scan, shape [row_count, m].
+        blur: Columns before and behind a step in which the scan mixes both colours.
 
     Returns:
-        The places of the steps in columns, between 0 and m - 1, and which rows' colours they explain, both of shape
-            [row_count].
+        The places of the steps in columns, between 0 and m - 1, and which rows show one, both of shape [row_count].
     """
-    weight = near.astype(float)
-    columns = colours.shape[1]
-    best, steps = np.inf, np.full(len(colours), columns // 2)
-    for shared in range(2, columns - 1):
-        cost = _cost(colours, weight, np.full(len(colours), shared))
-        if cost < best:
-            best, steps = cost, np.full(len(colours), shared)
-    for _ in range(5):
-        left, right = _side_means(colours, weight, steps)
-        behind = weight * ((colours - right) ** 2).sum(axis=2) - weight * ((colours - left) ** 2).sum(axis=2)
-        # cost of a step at k, up to a constant: what lies from k on is compared with the right colour
-        costs = np.cumsum(np.pad(behind[:, ::-1], ((0, 0), (1, 0))), axis=1)[:, ::-1]
-        chosen = costs.argmin(axis=1)
-        if np.array_equal(chosen, steps):
-            break
-        steps = chosen
-    left, right = _side_means(colours, weight, steps)
-    inner = (steps > 1) & (steps < columns - 1)
-    model = np.where((np.arange(columns) < steps[:, None])[:, :, None], left, right)
-    rest = (weight * ((colours - model) ** 2).sum(axis=2)).sum(axis=1)
-    own = np.einsum("ij,ijk->i", weight, (colours - _row_means(colours, weight)[:, None]) ** 2)
-    explained = (rest < (1.0 - MIN_EXPLAINED_SHARE) * own) & (rest < _measure_smooth_rest(colours, weight))
-    return steps - 0.5, inner & explained
+    columns = near.shape[1]
+    at = np.linspace(-1.0, 1.0, columns)
+    cubic = np.stack([at**k for k in range(4)], axis=1)
+    tried = range(blur + 2, columns - blur - 1)
+    shares, sides, explained = [], [], []
+    for column in tried:
+        behind = np.arange(columns) >= column
+        clear = near & (np.abs(np.arange(columns) + 0.5 - column) > blur)
+        model = np.stack([np.ones(columns), at, np.where(behind, 0.5, -0.5)], axis=1)
+        fitted, rest = _fit(model, colours, clear)
+        counts = clear.sum(axis=1) * (np.minimum((clear & behind).sum(axis=1), (clear & ~behind).sum(axis=1)) > 2)
+        spread, smooth = (_pool(_fit(terms, colours, clear)[1]) for terms in (np.ones((columns, 1)), cubic))
+        rest, height = _pool(rest), _pool(fitted[:, 2])
+        middle = _pool(fitted[:, 0] + fitted[:, 1] * at[[column - 1, column]].mean())
+        by_step = 0.25 * _pool(counts.astype(float)) * (height**2).sum(axis=1)
+        shares.append(np.where(spread > 0.0, rest / np.maximum(spread, 1e-12), np.inf))
+        explained.append((by_step > MIN_EXPLAINED_SHARE * spread) & (rest < smooth))
+        sides.append((middle - 0.5 * height, middle + 0.5 * height))
+    best, row = np.argmin(shares, axis=0), np.arange(len(near))
+    left, right = np.moveaxis(np.array(sides)[best, :, row], 1, 0)
+    height, is_seen = right - left, np.array(explained)[best, row] & _differ_by_more_than_shade(left, right)
+    if is_seen.any():
+        common = np.median(height[is_seen], axis=0)
+        is_seen &= height @ common > 0.5 * float(common @ common)
+    return np.array(tried)[best] - 0.5, is_seen
 
 
-def _measure_smooth_rest(colours: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """Return the squared differences of each row's colours from a cubic along it, which shades follow, shape [n]."""
-    at = np.linspace(-1.0, 1.0, colours.shape[1])
-    terms = np.stack([at**k for k in range(4)], axis=1)
-    root = np.sqrt(weight)[:, :, None]
-    scaled, values = root * terms, root * colours
-    fitted = scaled @ (np.linalg.pinv(scaled) @ values)
-    return np.asarray(((values - fitted) ** 2).sum(axis=(1, 2)))
+def _differ_by_more_than_shade(left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Check which pairs of colours, shape [n, channel_count] each, are not one colour in light and shade."""
+    left, right = np.maximum(left, MIN_BRIGHTNESS), np.maximum(right, MIN_BRIGHTNESS)
+    bright = np.stack([left.mean(axis=1), right.mean(axis=1)])
+    tones = np.abs(left / bright[0][:, None] - right / bright[1][:, None]).max(axis=1)
+    return np.asarray((tones > MIN_TONE_DIFFERENCE) | (bright.max(axis=0) > MAX_LIGHTING_RATIO * bright.min(axis=0)))
 
 
-def _row_means(colours: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    return np.asarray(np.einsum("ij,ijk->ik", weight, colours) / np.maximum(weight.sum(axis=1), 1.0)[:, None])
+def _pool(values: np.ndarray) -> np.ndarray:
+    """Return the mean of each row's values and those of `POOLED_ROW_COUNT` rows about it, at the ends fewer."""
+    reach = POOLED_ROW_COUNT // 2
+    sums = np.cumsum(np.concatenate([np.zeros((1, *values.shape[1:])), values]), axis=0)
+    ends = np.arange(len(values))
+    first, last = np.maximum(ends - reach, 0), np.minimum(ends + reach + 1, len(values))
+    counts = (last - first).reshape(-1, *(1,) * (values.ndim - 1))
+    return np.asarray((sums[last] - sums[first]) / counts)
 
 
-def _side_means(colours: np.ndarray, weight: np.ndarray, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the mean colours before and behind the steps, shape [channel_count] each."""
-    before = weight * (np.arange(colours.shape[1]) < steps[:, None])
-    sides = [np.einsum("ij,ijk->k", own, colours) / max(own.sum(), 1.0) for own in (before, weight - before)]
-    return sides[0], sides[1]
-
-
-def _cost(colours: np.ndarray, weight: np.ndarray, steps: np.ndarray) -> float:
-    left, right = _side_means(colours, weight, steps)
-    model = np.where((np.arange(colours.shape[1]) < steps[:, None])[:, :, None], left, right)
-    return float((weight * ((colours - model) ** 2).sum(axis=2)).sum())
+def _fit(terms: np.ndarray, colours: np.ndarray, clear: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the least squares of terms, shape [m, k], to the clear colours of each row: coefficients, shape [n, k,
+    channel_count], and squared residuals, shape [n]."""
+    weighted = clear[:, :, None] * terms
+    gram = np.swapaxes(weighted, 1, 2) @ terms + 1e-9 * np.eye(terms.shape[1])
+    found = np.linalg.solve(gram, np.swapaxes(weighted, 1, 2) @ colours)
+    return found, (clear[:, :, None] * (colours - terms @ found) ** 2).sum(axis=(1, 2))
 
 
 def _walk(line: PatternLine, garment: Garment) -> tuple[np.ndarray, np.ndarray]:
