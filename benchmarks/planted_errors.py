@@ -226,7 +226,7 @@ ERRORS = (
     ),
     PlantedError(
         ErrorKind.DELIVERY, "the step from size to size is 5 % larger", "core/deliver/formats/grading.py",
-        "step_measures(base, step * options.step / 100.0)", "step_measures(base, 1.05 * step * options.step / 100.0)",
+        "step_growth(step * options.step / 100.0)", "step_growth(1.05 * step * options.step / 100.0)",
     ),
 )  # fmt: skip
 """The list that is drawn from."""

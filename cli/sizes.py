@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import re
 from typing import Any
 
 import click
 
-from ..core.run.text import read_json
+from ..core.deliver.formats.registry import CHARTS, TABLE_UNITS
 from .export import ProductionOptions, production_options, read_options, read_table, write_production
+from .size_table import read_sizes
 
 
 @click.command("sizes")
@@ -23,8 +22,18 @@ from .export import ProductionOptions, production_options, read_options, read_ta
 @click.option(
     "--table",
     type=click.Path(exists=True, dir_okay=False),
-    help="A table of sizes instead: name,bust,waist,hip,height in cm, CSV or JSON.",
+    help="A table of sizes instead, CSV or JSON: name, bust, waist, hip, height, neck and more; units in its head.",
 )
+@click.option("--chart", type=click.Choice(tuple(CHARTS)), help="A published chart of sizes instead.")
+@click.option("--size", "chosen", multiple=True, help="Only this size of the table or chart; several times.")
+@click.option(
+    "--unit",
+    type=click.Choice(tuple(TABLE_UNITS)),
+    default="cm",
+    show_default=True,
+    help="Unit of a table whose head names none, and of the grade table that is written.",
+)
+@click.option("--sure", is_flag=True, help="Take a table as it is that looks wrong.")
 @production_options
 @click.pass_context
 def command(
@@ -33,21 +42,26 @@ def command(
     step: float,
     span: str,
     table: str | None,
+    chart: str | None,
+    chosen: tuple[str, ...],
+    unit: str,
+    sure: bool,
     drape: bool,
     production: ProductionOptions,
 ) -> None:
     """Grade a result's pattern to other sizes.
 
-    Writes a pattern for each size, a nest of all sizes as PDF and DXF, and the base size with its grade rules. Every
-    control point moves by the change of the base pattern's draft; a pattern without a draft is scaled, with a warning.
-    With --drape also each size on a body of the wearer's figure with its girths, in A pose, with verdicts in
-    sizes.json.
+    Writes a pattern for each size, a nest of all sizes as PDF and DXF, the base size with its grade rules, and a grade
+    table in words. Named points (neck, shoulder, underarm, sleeve, waist, hip, crotch, hem) move by rules of the trade;
+    the rest follows the base pattern's draft, or is spread between them where the pattern has none. With --drape also
+    each size on a body of the wearer's figure with its girths, in A pose, with verdicts in sizes.json.
 
     \b
     Example:
       garmentq sizes 3685ecfd4f81 --step 4 --range -2..4 --out sizes
       garmentq sizes 3685ecfd4f81 --range -1..1 --drape --out tried_on
-      garmentq sizes 3685ecfd4f81 --table sizes.csv --dialect gerber
+      garmentq sizes 3685ecfd4f81 --table sizes.csv --unit inch --dialect gerber
+      garmentq sizes 3685ecfd4f81 --chart de-women --size 36 --size 38 --size 40
     """
     options: dict[str, Any] = {"format": "sizes", "step": step, **read_options(production)}
     found = re.fullmatch(r"\s*([+-]?\d{1,3})\s*\.\.\s*([+-]?\d{1,3})\s*", span)
@@ -55,32 +69,15 @@ def command(
         raise click.UsageError("--range is FIRST..LAST, as in -2..4.")
     options.update(first=int(found[1]), last=int(found[2]))
     if table is not None:
-        options["sizes"] = read_sizes(read_table(table))
+        options["sizes"] = read_sizes(read_table(table), unit)
+    if chart is not None:
+        options["chart"] = chart
+    if chosen:
+        options["chosen"] = list(chosen)
+    if unit != "cm":
+        options["unit"] = unit
+    if sure:
+        options["is_sure"] = True
     if drape:
         options["drape"] = True
     context.exit(write_production(job, options, production))
-
-
-def read_sizes(text: str) -> list[dict[str, Any]]:
-    """Return the rows of a table of sizes; their values are checked with the request.
-
-    Raises:
-        UsageError: if it is neither a JSON list of objects nor CSV with a header.
-    """
-    try:
-        if text.lstrip().startswith("["):
-            found = read_json(text)
-            if not all(isinstance(line, dict) for line in found):
-                raise ValueError
-            return list(found)
-        rows = [
-            {key.strip().lower(): value.strip() for key, value in line.items() if key and value and value.strip()}
-            for line in csv.DictReader(io.StringIO(text))
-        ]
-        if not rows:
-            raise ValueError
-        return [{key: value if key == "name" else float(value) for key, value in line.items()} for line in rows]
-    except (ValueError, TypeError, AttributeError, RecursionError, csv.Error) as error:
-        raise click.UsageError(
-            "a table of sizes needs the header name,bust,waist,hip,height and one line a size."
-        ) from error

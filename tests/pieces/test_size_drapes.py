@@ -50,7 +50,7 @@ def test_files_of_draped_sizes_tell_each_size(tmp_path, monkeypatch):
     """Broken where a size has no mesh or verdict, or one that no body has stops the others."""
     worn = wear("tshirt")
 
-    def drape(_, size, base, hooks):
+    def drape(_, size, hooks):
         if size.name == "B96":
             raise MeasureRange("no body is so")
         return quick
@@ -81,5 +81,5 @@ def test_every_size_hangs_at_rest_on_its_body(name):
     worn = wear(name)
     base = measure_wearer(worn.body)
     for size in grade_sizes(worn.pattern, name, base, 1.70, ExportOptions("sizes", first=-2, last=4)):
-        metrics = drape_size(worn, size, base).report.metrics
+        metrics = drape_size(worn, size).report.metrics
         assert is_valid_drape(metrics), (size.name, metrics)

@@ -8,15 +8,16 @@ from xml.etree import ElementTree
 import ezdxf
 import numpy as np
 import pytest
-from garmentq.cli.sizes import read_sizes
+from garmentq.cli.size_table import read_sizes
 from garmentq.core.deliver.formats.dialects import DIALECTS_BY_NAME
 from garmentq.core.deliver.formats.dxf import Block, dxf_text, rule_text
 from garmentq.core.deliver.formats.errors import SizesBad
 from garmentq.core.deliver.formats.flat_dxf import flat_text
 from garmentq.core.deliver.formats.grading import grade_sizes
 from garmentq.core.deliver.formats.nest import draw_nest, find_rules, nest_pdf
-from garmentq.core.deliver.formats.options import ExportOptions, SizeLine
+from garmentq.core.deliver.formats.options import ExportOptions
 from garmentq.core.deliver.formats.size_layers import NAMES_PER_LINE
+from garmentq.core.deliver.formats.size_lines import SizeLine
 from garmentq.core.garment.measures import BodyMeasures
 from garmentq.core.garment.pattern import Edge, Panel, Pattern
 from garmentq.core.garment.pieces.make import make_pieces
@@ -198,11 +199,11 @@ def test_a_recovered_curve_is_graded_by_the_draft():
     assert all(size.is_drafted for size in sizes)
 
 
-def test_a_pattern_without_a_draft_is_scaled_and_says_so():
+def test_a_pattern_without_a_draft_is_spread_and_says_so():
     """Broken where an imported pattern passes for one that was drafted."""
     pattern = load_template("skirt")
-    scaled = grade_sizes(pattern, "of my own", BASE, 1.70, ExportOptions("sizes"))
-    assert [size.is_drafted for size in scaled] == [size.is_base for size in scaled]
+    spread = grade_sizes(pattern, "of my own", BASE, 1.70, ExportOptions("sizes"))
+    assert [size.is_drafted for size in spread] == [size.is_base for size in spread]
     renamed = Pattern("p", tuple(Panel(f"x{p.name}", p.points, p.edges) for p in pattern.panels), ())
     assert not grade_sizes(renamed, "skirt", BASE, 1.70, ExportOptions("sizes"))[0].is_drafted
 

@@ -79,6 +79,8 @@ WRONG = (
     ({"format": "pdf", "paper": "roll:9"}, "export.paper"),
     ({"format": "texture", "texel": 0.3}, "texture.texel"),
     ({"format": "sizes", "drape": 1}, "job.request_bad"),
+    ({"format": "sizes", "chart": "moon"}, "export.sizes"),
+    ({"format": "sizes", "sizes": [{"name": "S", "bust": 34, "waist": 27}]}, "export.sizes_unclear"),
 )  # fmt: skip
 """Options, and the code that they are refused with."""
 

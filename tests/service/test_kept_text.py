@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from api_client import local_user, serving
 from api_routes import list_routes
-from garmentq.cli.sizes import read_sizes
+from garmentq.cli.size_table import read_sizes
 from garmentq.core.body.measures_file import MeasuresBad, read_measures
 from garmentq.core.body.motion.errors import MotionBad
 from garmentq.core.body.motion.keys import read_keys

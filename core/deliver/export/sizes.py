@@ -12,7 +12,7 @@ from ...body.measured import MeasureRange
 from ...reuse.wear.dressing import DressedGarment
 from ...run.verdict import Verdict, worst_verdict
 from ..formats import nest
-from ..formats.grading import Size, grade_sizes
+from ..formats.grading import Size
 from ..formats.size_drapes import drape_size
 from .dressed_report import aim_at
 from .meshes import write_ply
@@ -39,14 +39,13 @@ def write_sizes(production: Production, folder: Path) -> list[Path]:
     files = nest.write(production, folder)
     if not production.options.drape:
         return files
-    worn, base = production.worn, production.measures
-    sizes = grade_sizes(worn.pattern, worn.template, base, production.height, production.options)
+    worn, sizes = production.worn, nest.grade_worn(production)
     described: list[dict[str, Any]] = []
     pictures: list[np.ndarray] = []
     for number, size in enumerate(sizes):
         production.hooks.progress("write", number / len(sizes), f"draping size {size.name}")
         try:
-            dressed = drape_size(worn, size, base, production.hooks.quiet())
+            dressed = drape_size(worn, size, production.hooks.quiet())
         except MeasureRange as error:
             described.append(_describe_draped_size(size, None, error.message))
             continue

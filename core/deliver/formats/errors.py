@@ -21,3 +21,9 @@ class SizesBad(BadInput):
     """Sizes are a step in centimetres with a range that includes 0, or a table of names, bust, waist and hip."""
 
     code = "export.sizes"
+
+
+class SizesUnclear(BadInput):
+    """A table of sizes can hardly be meant as it is; say its unit, correct it, or confirm it with --sure."""
+
+    code = "export.sizes_unclear"

@@ -13,10 +13,12 @@ from ...garment.garmentcode_writer import save_pattern
 from ...garment.pieces.make import make_pieces
 from ...garment.pieces.piece import Piece, PieceSet
 from ...garment.pieces.shelf_packing import pack_on_shelves
+from ...garment.pieces.trueing import true_pattern
 from .dialects import DIALECTS_BY_NAME
 from .drawing import draw_lines, keep_latin, list_texts, name_lines, place_texts
 from .dxf import Block, Rules, dxf_text, rule_text, write_archive
 from .flat_dxf import flat_text
+from .grade_table import write_grade_table
 from .grading import Size, grade_sizes
 from .papers import PLOTTER_ROLL_WIDTH_MM, find_paper
 from .pdf_file import Page, pdf_bytes, show_text
@@ -34,22 +36,20 @@ NEST_PAGE_MARGIN_MM = 10.0
 DASHES = ("[]", "[6 2]", "[3 1.5]", "[1.5 1]", "[8 2 1 2]", "[4 1 1 1 1 1]", "[2 2]")
 """Dashes of the sizes [mm], in turn; the base is drawn whole and thick."""
 
-SCALED_SIZES_WARNING = (
-    "the pattern is no shipped template's, so its draft is not known: sizes are scaled by girths, which is approximate"
-)
-"""Warning of sizes without a draft."""
+SPREAD_SIZES_NOTE = "no shipped template: what no rule grades is spread between named points"
+"""Note on sizes without a draft."""
 
 
 def write(production: Production, folder: Path) -> list[Path]:
-    """Write `pattern_SIZE.json`, `nest.pdf`, `nest.svg`, `nest_DIALECT.dxf`, the base with its rules; return the files.
+    """Write `pattern_SIZE.json`, `nest.pdf`, `nest.svg`, the grade table, `nest_DIALECT.dxf`, and the base with its
+    rules; return the files.
 
     Raises:
         SizesBad: where sizes are not valid.
+        SizesUnclear: where a size of a table is far from the wearer's.
         PieceBad: where a piece of a size cannot be cut.
     """
-    sizes = grade_sizes(
-        production.pattern, production.worn.template, production.measures, production.height, production.options
-    )
+    sizes = grade_worn(production)
     pieces = [
         make_pieces(
             size.pattern,
@@ -67,6 +67,7 @@ def write(production: Production, folder: Path) -> list[Path]:
     nest.write_bytes(nest_pdf(sizes, pieces, width))
     layered = folder / "nest.svg"
     layered.write_text(draw_nest(sizes, pieces, width), encoding="utf-8", newline="\n")
+    table = write_grade_table(sizes, pieces[0].name, production.options.unit or "cm", paper, folder)
     dialect = DIALECTS_BY_NAME[production.options.dialect]
     base = next(n for n, size in enumerate(sizes) if size.is_base)
     blocks = [
@@ -78,7 +79,7 @@ def write(production: Production, folder: Path) -> list[Path]:
         flat = folder / f"nest_{dialect.name}.dxf"
         ordered = [base, *(k for k in range(len(sizes)) if k != base)]
         flat.write_bytes(flat_text([(sizes[k].name, pieces[k]) for k in ordered]).encode("ascii"))
-        return [*files, nest, layered, flat]
+        return [*files, nest, layered, *table, flat]
     moves, rules = find_rules(pieces, base)
     base_blocks = [Block(piece, piece.name, sizes[base].name) for piece in pieces[base].cut_pieces]
     names = tuple(size.name for size in sizes)
@@ -87,7 +88,20 @@ def write(production: Production, folder: Path) -> list[Path]:
         f"graded_{dialect.name}.dxf": dxf_text(pieces[base], base_blocks, dialect, rules),
         f"graded_{dialect.name}.rul": rule_text(dialect, names, moves, sizes[base].name),
     }
-    return [*files, nest, layered, *write_archive(texts, dialect, folder, f"sizes_{dialect.name}.zip")]
+    return [*files, nest, layered, *table, *write_archive(texts, dialect, folder, f"sizes_{dialect.name}.zip")]
+
+
+def grade_worn(production: Production) -> list[Size]:
+    """Return the sizes of a garment, graded from its trued pattern: growing from smooth lines they stay smooth, and the
+    cut pieces have the figures of the grade table.
+
+    Raises:
+        SizesBad: where sizes are not valid.
+        SizesUnclear: where a size of a table is far from the wearer's.
+        CapUnfit: where no sleeve fits a size's armhole.
+    """
+    trued = true_pattern(production.pattern, production.point_std).pattern
+    return grade_sizes(trued, production.worn.template, production.measures, production.height, production.options)
 
 
 def find_rules(pieces: list[PieceSet], base: int) -> tuple[list[np.ndarray], Rules]:
@@ -146,7 +160,7 @@ def nest_pdf(sizes: list[Size], pieces: list[PieceSet], width: float) -> bytes:
             parts.append(show_text(x - 5e2 * text.width, y, 1e3 * text.size, text.text, text.is_bold))
     parts.append(show_text(NEST_PAGE_MARGIN_MM, legend, 6.0, f"{keep_latin(pieces[base].name)}: sizes", True))
     if not all(size.is_drafted for size in sizes):
-        parts.append(show_text(NEST_PAGE_MARGIN_MM + 90.0, legend, 4.0, SCALED_SIZES_WARNING))
+        parts.append(show_text(NEST_PAGE_MARGIN_MM + 90.0, legend, 4.0, SPREAD_SIZES_NOTE))
     for k, size in enumerate(sizes):
         y = legend - NEST_PAGE_MARGIN_MM * (k + 1)
         measures = size.measures

@@ -2,34 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from ...garment.pieces.allowance import read_allowances
 from ...garment.pieces.make import PieceSettings
 from ...run.errors import keep_printable
 from ..texture.bake import check_texel
+from .charts import find_chart
 from .errors import FormatUnknown, SizesBad
 from .papers import find_paper
-from .registry import DIALECTS, FORMATS
-
-MAX_SIZE_COUNT = 40
-"""Largest number of sizes in one export."""
-
-MAX_TABLE_NAME_LENGTH = 40
-"""Largest length of a size's name in a table [letters]: no file hash, of 64 letters, can be a name. A DXF block's name
-has 31 with the piece's."""
-
-
-@dataclass(frozen=True)
-class SizeLine:
-    """Describe one size of a table: its name, and its girths and height [cm], None for the wearer's."""
-
-    name: str
-    bust: float | None = None
-    waist: float | None = None
-    hip: float | None = None
-    height: float | None = None
+from .registry import CHARTS, DIALECTS, FORMATS, TABLE_UNITS
+from .size_lines import MAX_SIZE_COUNT, SizeLine, check_size_lines
 
 
 @dataclass(frozen=True)
@@ -45,6 +28,10 @@ class ExportOptions:
         step: Difference between sizes in bust, waist and hip [cm].
         first, last: Steps from the smallest and to the largest size; 0 is the wearer's own.
         sizes: The sizes of a table, instead of the step.
+        chart: Name of one of `CHARTS`, instead of both; None for none.
+        chosen: Names of the sizes of a table or chart that are wanted; None: all.
+        unit: Of the grade table: one of `TABLE_UNITS`; None: cm.
+        is_sure: Whether a table that looks wrong is meant as it is; None: no.
         drape: Whether each size is draped on a body by its measures.
         texel: Width of a texel of a texture [mm].
     """
@@ -58,6 +45,10 @@ class ExportOptions:
     first: int = -2
     last: int = 2
     sizes: tuple[SizeLine, ...] = ()
+    chart: str | None = None
+    chosen: tuple[str, ...] | None = None
+    unit: str | None = None
+    is_sure: bool | None = None
     drape: bool = False
     texel: float = 1.0
 
@@ -69,6 +60,7 @@ class ExportOptions:
             SheetTooSmall: where a roll has another width.
             AllowanceBad: where an allowance is not valid.
             SizesBad: where sizes are not valid.
+            SizesUnclear: where a table can hardly be meant as it is.
             TexelBad: where a texel has another width.
         """
         for name, known in ((self.format, tuple(FORMATS)), (self.dialect, DIALECTS)):
@@ -81,16 +73,21 @@ class ExportOptions:
             raise SizesBad(f"sizes are 0.5 to 20 cm apart, not {self.step:g}.")
         if not (self.first <= 0 <= self.last and self.last - self.first < MAX_SIZE_COUNT):
             raise SizesBad(f"steps from {self.first} to {self.last} do not hold 0, or are over {MAX_SIZE_COUNT}.")
-        if len(self.sizes) > MAX_SIZE_COUNT or len({line.name for line in self.sizes}) < len(self.sizes):
-            raise SizesBad(f"a table holds at most {MAX_SIZE_COUNT} sizes, each of another name.")
-        if any(len(line.name) > MAX_TABLE_NAME_LENGTH for line in self.sizes):
-            raise SizesBad(
-                f"a size's name has at most {MAX_TABLE_NAME_LENGTH} letters; name sizes as S, M, L or 38, 40."
-            )
-        girths = [value for line in self.sizes for value in (line.bust, line.waist, line.hip) if value is not None]
-        heights = [line.height for line in self.sizes if line.height is not None]
-        if not all(math.isfinite(value) and 20.0 <= value <= 300.0 for value in (*girths, *heights)):
-            raise SizesBad("girths and heights of a table are centimetres from 20 to 300.")
+        if self.unit is not None and self.unit not in TABLE_UNITS:
+            raise SizesBad(f"'{keep_printable(self.unit[:40])}' is none of the units {', '.join(TABLE_UNITS)}.")
+        check_size_lines(self.sizes, bool(self.is_sure))
+        if self.chart and self.sizes:
+            raise SizesBad("a table and a chart are two tables of sizes; give one of them.")
+        if self.chart and self.chart not in CHARTS:
+            raise SizesBad(f"'{keep_printable(self.chart[:40])}' is none of the charts {', '.join(CHARTS)}.")
+        unknown = set(self.chosen or ()) - {line.name for line in self.sizes or find_chart(self.chart)}
+        if unknown:
+            raise SizesBad(f"'{keep_printable(min(unknown)[:40])}' is the name of no size of the table or chart.")
+
+    @property
+    def size_lines(self) -> tuple[SizeLine, ...]:
+        """Return the sizes of the table or the chart; none for steps."""
+        return self.sizes or find_chart(self.chart)
 
     @property
     def piece_settings(self) -> PieceSettings:

@@ -25,6 +25,12 @@ and returns its files. A new format is one entry here."""
 DIALECTS = ("aama", "astm", "clo", "gerber", "optitex", "seamly", "richpeace", "flat")
 """Dialects of DXF; `dialects.py` has their differences. `flat` is for lasers and drawing programs (`flat_dxf.py`)."""
 
+CHARTS = ("uk-women", "de-women", "us-misses")
+"""Names of the charts of sizes in `charts.py`."""
+
+TABLE_UNITS: Mapping[str, float] = MappingProxyType({"cm": 1.0, "mm": 0.1, "inch": 2.54})
+"""Units of lengths in tables of sizes, in centimetres."""
+
 DESCRIPTIONS: Mapping[str, str] = MappingProxyType({
     "pdf": "sheets to print and paste at 1:1",
     "svg": "pieces with layers at 1:1",

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ...body.resizing import resize_body
-from ...garment.measures import BodyMeasures
 from ...garment.sewing import mesh_pattern
 from ...reuse.wear.dressing import DressedGarment, dress_body
 from ...reuse.wear.worn import WornGarment
@@ -17,13 +16,12 @@ SIZE_POSE = "A"
 """Pose of the bodies, as in a fitting."""
 
 
-def drape_size(worn: WornGarment, size: Size, base: BodyMeasures, hooks: Hooks = SILENT_HOOKS) -> DressedGarment:
+def drape_size(worn: WornGarment, size: Size, hooks: Hooks = SILENT_HOOKS) -> DressedGarment:
     """Dress a body by a size's measures in that size; the body has the wearer's figure otherwise.
 
     Args:
         worn: The garment on its wearer.
         size: One of its sizes.
-        base: The wearer's measures.
         hooks: Progress and cancellation.
 
     Raises:
@@ -31,7 +29,7 @@ def drape_size(worn: WornGarment, size: Size, base: BodyMeasures, hooks: Hooks =
         Cancelled: where the hooks cancel.
     """
     names = {"chest": "bust", "waist": "waist", "hip": "hip"}
-    growth = {place: getattr(size.measures, name) - getattr(base, name) for place, name in names.items()}
-    body = resize_body(worn.body, growth, size.measures.nape_height / base.nape_height, SIZE_POSE)
+    growth = {place: getattr(size.growth, name) for place, name in names.items()}
+    body = resize_body(worn.body, growth, size.growth.stature, SIZE_POSE)
     garment = mesh_pattern(size.pattern, len(worn.garment.nodes))
     return dress_body(replace(worn, garment=garment), body, None, Clock(hooks))
