@@ -32,11 +32,15 @@ def wearer_options(function: Callable[..., Any]) -> Callable[..., Any]:
     options = [
         click.option("--body", help="The new wearer: a mesh file, or builtin:male,height=1.85.  [default: the wearer]"),
         click.option(
-            "--measures", type=click.Path(path_type=Path), help="Measures of the new wearer in cm, CSV or JSON."
+            "--measures", type=click.Path(path_type=Path), help="Measures of the new wearer: CSV, JSON or YAML."
         ),
         click.option("--pose", help="Pose of the body: T, A, arms-down, stride, seated.  [default: its own]"),
         click.option("--fabric", help="A name from `garmentq materials`.  [default: the result's own]"),
-        click.option("--units", type=click.Choice(tuple(UNITS)), help="Unit of the body's file.  [default: detected]"),
+        click.option(
+            "--units",
+            type=click.Choice(tuple(UNITS)),
+            help="Unit of the body's file, or of measures without one.  [default: detected]",
+        ),
         click.option("--up", type=click.Choice(AXES[:2]), help="Up axis of the body's file.  [default: detected]"),
     ]
     command: Decorator = gather(WearerOptions, options, "wearer")(function)
@@ -49,16 +53,22 @@ def split_wearer(wearer: WearerOptions) -> tuple[dict[str, Any], dict[str, Path]
     Raises:
         UsageError: if both a body and measures are given.
         MeasuresBad: if the measures cannot be read.
+        MeasuresUnclear: if they can be read in two ways.
     """
-    body = wearer.body
+    body, own_units = wearer.body, wearer.units
     if wearer.measures is not None:
         if body is not None:
             raise click.UsageError("give --body or --measures, not both.")
         from ..core.body.measures_file import read_measures
+        from .terminal import print_note
 
-        body = read_measures(wearer.measures)
+        read = read_measures(wearer.measures, wearer.units or "")
+        body, own_units = read.spec, None
+        if read.left:
+            print_note(f"not used of the measures: {', '.join(read.left)}.")
     built_in = body if is_builtin(body) else None
-    fields = {"body": built_in, **{name: getattr(wearer, name) for name in ("pose", "fabric", "units", "up")}}
+    fields = {"body": built_in, **{name: getattr(wearer, name) for name in ("pose", "fabric", "up")}}
+    fields["units"] = own_units
     files = {} if body is None or built_in else {"body": Path(body)}
     return {name: value for name, value in fields.items() if value is not None}, files
 

@@ -2,94 +2,78 @@
 
 from __future__ import annotations
 
-import csv
-import math
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from ..run.errors import BadInput
-from ..run.text import read_json
+from .measure_table import MeasuresBad, read_measure_table
 from .spec import BUILTIN
+
+__all__ = ["MeasuresBad", "PersonMeasures", "read_measures", "read_table_text"]
 
 MAX_MEASURES_FILE_BYTES = 65_536
 """Largest size of a file of measures [bytes]: some hundred times the size of a usual one."""
 
-NAMES = {
-    "height": "height", "weight": "weight", "chest": "chest", "bust": "chest", "waist": "waist", "hip": "hip",
-    "hips": "hip", "thigh": "thigh", "upper_arm": "upper_arm", "bicep": "upper_arm",
+DESCRIBED = {
+    "height": "height", "weight": "weight", "bust": "chest", "waist": "waist", "hip": "hip", "thigh": "thigh",
+    "upper_arm": "upper_arm",
 }  # fmt: skip
-"""Accepted names of measures, and their names in a description."""
-
-GENDERS = {"female": "female", "f": "female", "woman": "female", "male": "male", "m": "male", "man": "male"}
-
-M_PER_CM = 0.01
-"""Metres in a centimetre [m/cm]: files have lengths and girths in centimetres."""
+"""The measures of tables that a built-in body is described by, and their names there."""
 
 
-class MeasuresBad(BadInput):
-    """A file of measures is JSON {"gender": "female", "height": 170, "waist": 72} or CSV of name,value; cm, kg."""
+@dataclass(frozen=True)
+class PersonMeasures:
+    """Describe a person by a file of measures.
 
-    code = "body.measures_bad"
+    Attributes:
+        spec: The description of a built-in body: `builtin:female,height=1.7,waist=0.72`.
+        left: What of the file does not describe it, as it is written.
+    """
+
+    spec: str
+    left: tuple[str, ...]
 
 
-def read_measures(path: Path) -> str:
-    """Read a file of measures as the description of a built-in body: `builtin:female,height=1.7,waist=0.72`.
+def read_measures(path: Path, unit: str = "") -> PersonMeasures:
+    """Read a file of measures as the description of a built-in body.
 
     Args:
-        path: A JSON object, or CSV with a name and a value per line; `gender`, lengths and girths in cm, `weight` in
-            kg. Names in any case, with blanks or dashes for underscores.
+        path: A table of one person, as for `read_measure_table`, with the gender.
+        unit: The unit of lengths without one, of `UNITS`, or an empty text: found by their sizes.
 
     Raises:
-        MeasuresBad: where it cannot be read, lacks the gender, or has an unknown name.
+        MeasuresBad: where it cannot be read, lacks the gender, or has no measure that describes a body.
+        MeasuresUnclear: where it can be read in two ways.
+    """
+    table = read_measure_table(read_table_text(path), unit)
+    if len(table.rows) > 1:
+        raise MeasuresBad(f"'{path.name}' has {len(table.rows)} persons or sizes; leave one.")
+    row = table.rows[0]
+    if not row.gender:
+        raise MeasuresBad(f"'{path.name}' does not say gender: female or male. {MeasuresBad().message}")
+    used = {DESCRIBED[name]: value for name, value in row.measures.items() if name in DESCRIBED}
+    if not used:
+        raise MeasuresBad(f"no measure in '{path.name}' describes a body: {', '.join(sorted(DESCRIBED))}.")
+    spec = ",".join([f"{BUILTIN}{row.gender}", *(f"{name}={value:.6g}" for name, value in used.items())])
+    return PersonMeasures(spec, (*table.left, *(name for name in row.measures if name not in DESCRIBED)))
+
+
+def read_table_text(path: Path) -> str:
+    """Read the text of a table: UTF-8, UTF-16 with its mark, or as spreadsheets on Windows write it (cp1252).
+
+    Raises:
+        MeasuresBad: where it is none of them, or too large.
     """
     try:
-        content = path.read_bytes()[: MAX_MEASURES_FILE_BYTES + 1]
-        text = content.decode("utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise MeasuresBad(f"'{path.name}' cannot be read as text. {MeasuresBad().message}") from error
+        with path.open("rb") as file:
+            content = file.read(MAX_MEASURES_FILE_BYTES + 1)
+    except OSError as error:
+        raise MeasuresBad(f"'{path.name}' cannot be read. {MeasuresBad().message}") from error
     if len(content) > MAX_MEASURES_FILE_BYTES:
-        raise MeasuresBad(f"'{path.name}' is no file of measures: it is too large. {MeasuresBad().message}")
-    gender, numbers = "", dict[str, float]()
-    for name, value in _pairs(path, text):
-        word = name.strip().lower().replace(" ", "_").replace("-", "_")
-        if word in ("gender", "sex", "body"):
-            gender = GENDERS.get(str(value).strip().lower(), "")
-        elif word not in NAMES:
-            known = ", ".join(sorted(set(NAMES.values())))
-            raise MeasuresBad(f"'{name[:40]}' is no measure that is known: {known}, gender. {MeasuresBad().message}")
-        elif NAMES[word] in numbers:
-            raise MeasuresBad(f"'{NAMES[word]}' is given twice; leave one out.")
-        else:
-            numbers[NAMES[word]] = _number(name, value) * (1.0 if word == "weight" else M_PER_CM)
-    if not gender:
-        raise MeasuresBad(f"'{path.name}' does not say gender: female or male. {MeasuresBad().message}")
-    return ",".join([f"{BUILTIN}{gender}", *(f"{name}={value:.6g}" for name, value in numbers.items())])
-
-
-def _pairs(path: Path, text: str) -> list[tuple[str, Any]]:
-    """Return names and values in the file's order."""
-    if text.lstrip().startswith("{"):
+        raise MeasuresBad(f"'{path.name}' is no table of measures: it is too large. {MeasuresBad().message}")
+    encodings = ("utf-16",) if content[:2] in (b"\xff\xfe", b"\xfe\xff") else ("utf-8-sig", "cp1252")
+    for encoding in encodings:
         try:
-            found = read_json(text, object_pairs_hook=list)
-        except (ValueError, RecursionError) as error:
-            raise MeasuresBad(f"'{path.name}' is no JSON. {MeasuresBad().message}") from error
-        return [(str(name), value) for name, value in found]
-    try:
-        cells = [[cell.strip() for cell in row] for row in csv.reader(text.splitlines())]
-    except csv.Error as error:
-        raise MeasuresBad(f"'{path.name}' is no CSV. {MeasuresBad().message}") from error
-    rows = [row for row in cells if any(row)]
-    if any(len(row) != 2 for row in rows):
-        raise MeasuresBad(f"'{path.name}' has lines that are not name,value. {MeasuresBad().message}")
-    is_head = bool(rows) and rows[0][0].lower() in ("name", "measure")
-    return [(name, value) for name, value in rows[is_head:]]
-
-
-def _number(name: str, value: Any) -> float:
-    try:
-        number = math.nan if isinstance(value, bool | list) else float(value)
-    except (TypeError, ValueError, OverflowError):
-        number = math.nan
-    if not (math.isfinite(number) and number > 0.0):
-        raise MeasuresBad(f"{name[:40]} is '{str(value)[:40]}', which is no number above 0. {MeasuresBad().message}")
-    return number
+            return content.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+    raise MeasuresBad(f"'{path.name}' cannot be read as text. {MeasuresBad().message}")

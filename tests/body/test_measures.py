@@ -137,7 +137,7 @@ def test_tape_is_laid_where_the_body_is_narrowest_and_widest():
 def test_measures_of_a_file(tmp_path, name, text):
     """Broken where centimetres are read as metres, a weight as a length, or a tailor's word is not known."""
     (tmp_path / name).write_text(text)
-    assert read_measures(tmp_path / name) == "builtin:female,height=1.7,weight=62,chest=0.92,hip=1"
+    assert read_measures(tmp_path / name).spec == "builtin:female,height=1.7,weight=62,chest=0.92,hip=1"
 
 
 @pytest.mark.parametrize(
@@ -145,7 +145,7 @@ def test_measures_of_a_file(tmp_path, name, text):
     [
         "height,170\n", "gender,female\nknee,40\n", "gender,female\nwaist,seventy\n", "gender,female\nwaist,-3\n",
         "gender,female\nwaist,70\nwaist,71\n", '{"gender": "female", "waist": [1]}', '{"gender"', "a,b,c\n", "\x00",
-        f'{{"gender": "female", "waist": 1{400 * "0"}}}', "gender,female,\rwaist,70",
+        f'{{"gender": "female", "waist": 1{400 * "0"}}}',
         '{"gender": "female", "waist": true}', '{"gender": "female", "waist": 70, "waist": 71}',
     ],
 )  # fmt: skip
