@@ -17,6 +17,7 @@ from .closure import find_closure
 from .darts import dart_lines, find_darts, find_slits, fold_mouth
 from .doubled import is_folded_double, is_lined, unfold_double
 from .finishing import Finishes, draft_finishes
+from .finished_measures import measure_finished
 from .flatten import flatten_edge
 from .folding import find_fold_axis, fold_piece
 from .grain_line import draw_grain
@@ -120,6 +121,7 @@ def make_pieces(
         finishes.pieces,
         finishes.seams,
         style.details,
+        measure_finished(pattern),
     )
 
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from ...run.errors import BadInput
+from ...run.units import MM_PER_M
 from ..curves import edge_length
 from ..pattern import Pattern
 from ..polygon import polygon_area
@@ -65,6 +66,7 @@ def describe_pieces(pieces: PieceSet) -> tuple[tuple[PieceNumbers, ...], dict[st
         "pieces.area_m2": sum(one.cloth for one in found),
         "pieces.cloth_length_m": lay.length,
         "pieces.cloth_used": lay.used,
+        **{f"finished.{one.point}_mm": MM_PER_M * one.value for one in pieces.finished_measures},
     }
 
 

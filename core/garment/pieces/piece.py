@@ -8,6 +8,7 @@ from enum import StrEnum
 import numpy as np
 
 from ..pattern import EdgeRef, Panel
+from .finished_points import FinishedMeasure
 
 
 class EdgeUse(StrEnum):
@@ -256,6 +257,7 @@ class PieceSet:
         drafted: Pieces that finish edges and are no panels of the pattern: ribs, facings, bindings.
         finishes: The seams that sew them on; their pieces are numbered as in `cut_pieces`.
         details: Lines of the title, label and value: the scan's name, the date, measures of the finished garment.
+        finished_measures: Measures of the finished garment at the points of the trade.
     """
 
     name: str
@@ -269,6 +271,7 @@ class PieceSet:
     drafted: tuple[Piece, ...] = ()
     finishes: tuple[SeamWalk, ...] = ()
     details: tuple[tuple[str, str], ...] = ()
+    finished_measures: tuple[FinishedMeasure, ...] = ()
 
     @property
     def cut_pieces(self) -> tuple[Piece, ...]:
