@@ -40,7 +40,7 @@ def _length(low: float, high: float, **words: str) -> MeasureKind:
 
 
 def _angle(high: float, **words: str) -> MeasureKind:
-    return MeasureKind(Quantity.ANGLE, (0.0, high), words)
+    return MeasureKind(Quantity.ANGLE, (-0.5, high), words)
 
 
 MEASURE_KINDS: dict[str, MeasureKind] = {

@@ -120,7 +120,7 @@ def _read_row(row: Row, file_unit: str, left: list[str]) -> _FoundRow:
         value = read_value(cell.value, cell.unit.lower() or unit or (file_unit if is_length else ""))
         if value is None:
             raise MeasuresBad(
-                f"{keep_printable(cell.heading[:40])} is '{keep_printable(text[:40])}', which is no number above 0, "
+                f"{keep_printable(cell.heading[:40])} is '{keep_printable(text[:40])}', which is no number, "
                 f"with a unit or without. {MeasuresBad().message}"
             )
         if name in found.values and found.values[name] != value:

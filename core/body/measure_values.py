@@ -41,15 +41,17 @@ def read_value(written: Any, unit: str = "") -> Value | None:
         unit: The unit of its column or file, as it is written there, or an empty text.
 
     Returns:
-        The value, or None where it is no finite number above 0.
+        The value, or None where it is no finite number.
     """
     if isinstance(written, bool) or not isinstance(written, int | float | str):
         return None
     text = str(written).strip()
-    for sign, fraction in VULGAR_FRACTIONS.items():
-        text = text.replace(sign, fraction)
+    for letter, fraction in VULGAR_FRACTIONS.items():
+        text = text.replace(letter, fraction)
     if len(text) > MAX_VALUE_LENGTH:
         return None
+    sign = -1.0 if text.startswith("-") else 1.0
+    text = text.removeprefix("-")
     parts, at = [], 0
     while at < len(text):
         found = VALUE.match(text.lower(), at)
@@ -61,12 +63,10 @@ def read_value(written: Any, unit: str = "") -> Value | None:
         return None
     if len(parts) == 2:  # feet and inches: 5'6", 5 ft 6
         (feet, one), (inches, other) = parts
-        if UNIT_WORDS.get(one) != "foot" or UNIT_WORDS.get(other or "in") != "inch" or inches >= 12.0:
+        if sign < 0.0 or UNIT_WORDS.get(one) != "foot" or UNIT_WORDS.get(other or "in") != "inch" or inches >= 12.0:
             return None
         return Value(12.0 * feet + inches, UNITS["inch"])
-    number, own = parts[0]
-    if number <= 0.0:
-        return None
+    number, own = sign * parts[0][0], parts[0][1]
     return Value(number) if not (own or unit) else _scaled(number, own or unit)
 
 

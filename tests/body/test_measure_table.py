@@ -110,11 +110,11 @@ def test_files_of_garmentcode_and_freesewing():
     """Broken where the names of these two, degrees or millimetres are read as something else. FreeSewing's hips are the
     high hips, its seat the fullest girth."""
     code = "body: \n  height: 171.99  # cm\n  hips_line: 23.4837\n  waist: 84.3\n  leg_circ: 60.2\n"
-    code += "  shoulder_incl: 21.6777\n"
+    code += "  shoulder_incl: 21.6777\n  arm_pose_angle: 0.0\n"
     (row,) = read_measure_table(code).rows
     assert row.measures == pytest.approx({
         "height": 1.7199, "waist_to_hip": 0.234837, "waist": 0.843, "thigh": 0.602,
-        "shoulder_slope": math.radians(21.6777),
+        "shoulder_slope": math.radians(21.6777), "arm_angle": 0.0,
     })  # fmt: skip
     sewing = {"name": "Anna", "units": "metric", "measurements": {
         "chest": 920, "hips": 900, "seat": 1000, "hpsToBust": 270, "waistBack": 370, "shoulderSlope": 13,
