@@ -31,6 +31,7 @@ COMMANDS = {
     "export": "Copy a job's files into a folder, or write its garment in another format.",
     "sizes": "Grade a result's pattern to other sizes.",
     "query": "Search completed jobs by their results.",
+    "measure": "Measure a body, a pattern, or a job's garment and wearer.",
     "match": "Compare two patterns panel by panel.",
     "cancel": "Stop a job.",
     "retry": "Queue ended jobs again.",

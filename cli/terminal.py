@@ -52,12 +52,17 @@ def print_table(columns: Sequence[str], rows: Iterable[Sequence[object]], title:
 
 
 def print_csv(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
-    """Print a table as CSV (RFC 4180); a text that a spreadsheet would run as a formula gets an apostrophe in front."""
+    """Print a table as `format_csv` writes it."""
+    click.echo(format_csv(columns, rows), nl=False)
+
+
+def format_csv(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    """Return a table as CSV (RFC 4180); a text that a spreadsheet would run as a formula gets an apostrophe first."""
     out = io.StringIO()
     writer = csv.writer(out)
     writer.writerow([_escape_formula(name) for name in columns])
     writer.writerows([_escape_formula(cell) for cell in row] for row in rows)
-    click.echo(out.getvalue(), nl=False)
+    return out.getvalue()
 
 
 FORMULA = ("=", "+", "-", "@", "|", "\uff1d", "\uff0b", "\uff0d", "\uff20")

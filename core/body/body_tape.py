@@ -17,6 +17,9 @@ WRIST_REACH = 0.01
 AHEAD_OF_JOINTS = np.array([0.026, 0.004])
 """Distances of the side's upright line ahead of the joints of hip and shoulder [m], on the bodies of `WAIST_SHARE`."""
 
+UPRIGHT_OFFSET = 0.08
+"""Distance beside the body at which the lines of upright distances are drawn [m]."""
+
 WRIST_LEVEL_COUNT = 7
 """Number of cuts among which the thinnest of a wrist is chosen."""
 
@@ -123,17 +126,17 @@ Taken = dict[str, tuple[float, tuple[np.ndarray, ...]]]
 
 def _heights(body: StandingBody, at: Landmarks) -> Taken:
     """Return the measures that are upright distances or angles."""
-    side = 0.5 * (_half_width(body, at.hip) - _half_width(body, at.waist))
-    beside = float(_half_width(body, at.hip)) / 2.0 + 0.1
+    side = 0.5 * (_width(body, at.hip) - _width(body, at.waist))
+    beside = _width(body, at.hip) / 2.0 + UPRIGHT_OFFSET
 
-    def upright(top: float, bottom: float) -> tuple[float, tuple[np.ndarray, ...]]:
-        return top - bottom, (np.array([[beside, top, 0.0], [beside, bottom, 0.0]]),)
+    def upright(top: float, bottom: float, out: float = 0.0) -> tuple[float, tuple[np.ndarray, ...]]:
+        return top - bottom, (np.array([[beside + out, top, 0.0], [beside + out, bottom, 0.0]]),)
 
     slopes = [_slope(neck, shoulder) for neck, shoulder in zip(at.necks, at.shoulders, strict=True)]
     lines = tuple(np.stack(pair) for pair in zip(at.necks, at.shoulders, strict=True))
-    half = [_half_width(body, height) / 2.0 for height in (at.hip, at.waist)]
+    half = [_width(body, height) / 2.0 for height in (at.hip, at.waist)]
     return {
-        "height": upright(at.crown, 0.0),
+        "height": upright(at.crown, 0.0, UPRIGHT_OFFSET),
         "head_length": upright(at.crown, float(at.nape[1])),
         "bust_level": upright(float(at.nape[1]), at.bust),
         "waist_to_hip": upright(at.waist, at.hip),
@@ -238,7 +241,7 @@ def _at_depth(ahead: np.ndarray, behind: np.ndarray, depth: float) -> np.ndarray
     return np.asarray(behind + np.clip(share, 0.0, 1.0) * (ahead - behind))
 
 
-def _half_width(body: StandingBody, height: float) -> float:
+def _width(body: StandingBody, height: float) -> float:
     points = body.level(height)
     return float(np.ptp(points[:, 0])) if len(points) else float("nan")
 

@@ -20,6 +20,7 @@ WRITTEN = {
     ("animate",): ["{job}", "--motion", "walk"],
     ("export",): ["{job}"],
     ("sizes",): ["{job}"],
+    ("measure",): ["builtin:female,height=1.70"],
     ("segment",): ["{scan}"],
     ("templates", "export"): ["tshirt"],
     ("bodies", "export"): ["builtin:female,height=1.70"],

@@ -181,10 +181,18 @@ class _Taken(SewnLines):
             [line for panel in back for line in cut_upright(panel, self.outlines[panel.name], x, top)]
             for x, top in starts
         ]
-        known = [one for one in columns if one]
+        known = [self._outer(one) for one in columns if one]
         if not known:
             return None
         return float(np.mean([self._height(one) for one in known])), tuple(line for one in known for line in one)
+
+    def _outer(self, lines: list[Line]) -> list[Line]:
+        """Return upright lines without those beside longer ones, such as where a crotch reaches over the middle."""
+        spans = [tuple(place_points(self.pattern.panel(name), one)[::-1, 1]) for name, one in lines]
+        return [
+            line for i, line in enumerate(lines)
+            if not any(low <= spans[i][0] and spans[i][1] <= high and j != i for j, (low, high) in enumerate(spans))
+        ]  # fmt: skip
 
     def _height(self, lines: list[Line]) -> float:
         """Return the height that upright lines cover together in their places [m]."""

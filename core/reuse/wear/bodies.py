@@ -49,6 +49,17 @@ def describe_body_file(file: BodyFile) -> dict[str, Any]:
     return {"body": {"format": "smpl"} if file.mesh is None else describe_scan(file.mesh)}
 
 
+def find_file_body(file: BodyFile, hooks: Hooks = SILENT_HOOKS) -> Body | None:
+    """Return the body of a file, registered to its mesh; None where it has neither.
+
+    Raises:
+        NotHuman: where the mesh is not a person's.
+    """
+    if file.body is not None or file.mesh is None:
+        return file.body
+    return register_wearer(file.mesh.vertices, file.mesh.faces, name=file.mesh.name, hooks=hooks)
+
+
 def find_wearer(
     chosen: BodyFile | BuiltinWearer | None, wearer: Body, pose: str | None = None, hooks: Hooks = SILENT_HOOKS
 ) -> Body:
@@ -65,10 +76,7 @@ def find_wearer(
         NotHuman: where the mesh is not a person's.
     """
     if isinstance(chosen, BodyFile):
-        body = chosen.body
-        if body is None and chosen.mesh is not None:
-            body = register_wearer(chosen.mesh.vertices, chosen.mesh.faces, name=chosen.mesh.name, hooks=hooks)
-        found = wearer if body is None else body
+        found = find_file_body(chosen, hooks) or wearer
     else:
         found = wearer if chosen is None else builtin_body(chosen)
     return found if pose is None else pose_body(found, pose)
