@@ -10,9 +10,9 @@ import argparse
 from pathlib import Path
 
 import numpy as np
-from garmentq.core.body.body_tape import HOW_MEASURED, measure_body
+from garmentq.core.body.body_tape import measure_body
 from garmentq.core.body.dress_form import register_wearer
-from garmentq.core.body.measure_names import MEASURE_KINDS, Quantity
+from garmentq.core.body.measure_names import HOW_MEASURED, MEASURE_KINDS, Quantity
 from garmentq.core.body.measure_table import read_measure_table
 from garmentq.core.body.measures_file import read_table_text
 from garmentq.core.scan.load import load_scan

@@ -130,6 +130,8 @@ def _best_level(body: StandingBody, middle: float, reach: float, least: bool) ->
     count = 2 * int(np.ceil(reach / MEASURED_LEVEL_SPACING)) + 1
     levels = np.linspace(middle - reach, middle + reach, count)
     girths = [girth_of(body.level(float(height)), 1)[0] for height in levels]
+    if not np.isfinite(girths).any():
+        return middle
     return float(levels[int(np.nanargmin(girths) if least else np.nanargmax(girths))])
 
 
@@ -161,10 +163,11 @@ def _over_wrist(body: StandingBody, side: str) -> np.ndarray:
 def _bust_points(body: StandingBody, armpit: float, waist: float) -> np.ndarray:
     """Return the most prominent points of the chest [m], shape [2, 3]. A chest that recedes all the way up has none:
     then the points at the usual height are taken."""
-    heights = np.arange(armpit - BUST_DROPS[1], armpit - BUST_DROPS[0], MEASURED_LEVEL_SPACING)
+    lowest = max(armpit - BUST_DROPS[1], min(waist, armpit - USUAL_BUST_DROP))
+    heights = np.arange(lowest, armpit - BUST_DROPS[0], MEASURED_LEVEL_SPACING)
     found = []
     for sign in (1.0, -1.0):
-        fronts = np.stack([_extreme(body, height, sign, 1.0) for height in heights[heights > waist]])
+        fronts = np.stack([_extreme(body, float(height), sign, 1.0) for height in heights])
         depth = fronts[:, 2]
         inner = np.flatnonzero((depth[1:-1] >= depth[:-2]) & (depth[1:-1] > depth[2:])) + 1
         if len(inner):
@@ -176,7 +179,7 @@ def _bust_points(body: StandingBody, armpit: float, waist: float) -> np.ndarray:
 
 def _seat_points(body: StandingBody, crotch: float) -> np.ndarray:
     """Return the most prominent points of the seat [m], shape [2, 3], from the crotch to the spine's first joint."""
-    heights = np.arange(crotch, float(body.joint("spine1")[1]), MEASURED_LEVEL_SPACING)
+    heights = np.arange(crotch, max(float(body.joint("spine1")[1]), crotch + HIP_REACH), MEASURED_LEVEL_SPACING)
     found = []
     for sign in (1.0, -1.0):
         backs = np.stack([_extreme(body, float(height), sign, -1.0, 0.0) for height in heights])

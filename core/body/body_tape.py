@@ -6,10 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..run.units import MM_PER_M
 from .body import Body
 from .body_landmarks import ACROSS_JOINT, Landmarks, find_landmarks
-from .measure_names import MEASURE_KINDS, Quantity
+from .measure_names import HOW_MEASURED, MEASURE_KINDS, Quantity
 from .standing import StandingBody, cut_faces, girth_of, length_of_line, stand, taut_path
+
+WEARER_METRICS = "wearer."
+"""Beginning of the names of metrics that are a wearer's measures."""
 
 WRIST_REACH = 0.01
 """Distance from the wrist's joint along the forearm within which the wrist is thinnest [m]."""
@@ -22,36 +26,6 @@ UPRIGHT_OFFSET = 0.08
 
 WRIST_LEVEL_COUNT = 7
 """Number of cuts among which the thinnest of a wrist is chosen."""
-
-HOW_MEASURED = {
-    "height": "from the soles to the crown",
-    "head_length": "upright, from the nape to the crown",
-    "neck_width": "behind the neck, from side neck point to side neck point",
-    "shoulder_width": "between the ends of the shoulders",
-    "shoulder_slope": "of the line from side neck point to shoulder, below level",
-    "armscye_depth": "from the end of the shoulder to the armpit",
-    "arm_angle": "of the line from shoulder to wrist, below level",
-    "arm_length": "from the end of the shoulder to the wrist",
-    "wrist": "around, where it is thinnest",
-    "bust": "around, over the bust points",
-    "underbust": "around, below the bust",
-    "waist": "around, where it is narrowest between ribs and hip bones",
-    "hip": "around, over the most prominent points of the seat",
-    "thigh": "around the fuller leg, below the crotch",
-    "back_width": "of the bust, behind, from side to side",
-    "waist_back_width": "of the waist, behind, from side to side",
-    "hip_back_width": "of the hip, behind, from side to side",
-    "back_waist_length": "from the nape down the back to the waist",
-    "front_waist_length": "from the shoulder over the bust point to the waist",
-    "bust_depth": "from the shoulder to the bust point",
-    "bust_level": "upright, from the nape to the bust",
-    "bust_span": "between the bust points",
-    "waist_to_hip": "upright, from the waist to the hip",
-    "hip_to_crotch": "upright, from the hip to the crotch",
-    "seat_span": "between the most prominent points of the seat",
-    "hip_slope": "of the side from hip to waist, from upright",
-}
-"""The 26 measures, and how each is taken (ISO 8559-1 where it has one; the set is that of GarmentCode)."""
 
 
 @dataclass(frozen=True)
@@ -119,6 +93,18 @@ def measure_body(body: Body) -> MeasuredFigure:
     lines = found["arm_length"][1]
     found["arm_angle"] = float(np.mean([_slope(line[0], line[1]) for line in lines])), lines
     return MeasuredFigure(standing, tuple(BodyMeasure(name, *found[name]) for name in HOW_MEASURED))
+
+
+def tabulate_body(body: Body) -> dict[str, float | None]:
+    """Return the measures of a body as metrics, `wearer.waist_mm` or `wearer.shoulder_slope_deg`: None where the mesh
+    is open there, nothing of a dress form."""
+    if body.is_dress_form:
+        return {}
+    found: dict[str, float | None] = {}
+    for one in measure_body(body).measures:
+        name, scale = (f"{one.name}_deg", np.degrees(1.0)) if one.is_angle else (f"{one.name}_mm", MM_PER_M)
+        found[f"{WEARER_METRICS}{name}"] = float(scale * one.value) if np.isfinite(one.value) else None
+    return found
 
 
 Taken = dict[str, tuple[float, tuple[np.ndarray, ...]]]
@@ -206,7 +192,7 @@ def _on_ridge(body: StandingBody, x: float, near: np.ndarray) -> np.ndarray:
 def _neck(body: StandingBody, at: Landmarks) -> tuple[float, tuple[np.ndarray, ...]]:
     """Return the tape behind the neck through the side neck points and the nape."""
     normal = np.cross(at.necks[0] - at.nape, at.necks[1] - at.nape)
-    normal = normal / np.linalg.norm(normal)
+    normal = normal / max(float(np.linalg.norm(normal)), 1e-12)
     points, _ = cut_faces(body.vertices, body.trunk_faces, normal, float(normal @ at.nape))
     behind = points[(points[:, 2] < at.necks[:, 2].mean()) & (np.abs(points[:, 0]) < np.abs(at.necks[:, 0]).max())]
     line = taut_path(behind, at.necks[1], at.necks[0], np.array([0.0, 0.0, -1.0]))

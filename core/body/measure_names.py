@@ -137,6 +137,36 @@ MEASURE_KINDS: dict[str, MeasureKind] = {
 }  # fmt: skip
 """The measures that tables may have, by our name."""
 
+HOW_MEASURED = {
+    "height": "from the soles to the crown",
+    "head_length": "upright, from the nape to the crown",
+    "neck_width": "behind the neck, from side neck point to side neck point",
+    "shoulder_width": "between the ends of the shoulders",
+    "shoulder_slope": "of the line from side neck point to shoulder, below level",
+    "armscye_depth": "from the end of the shoulder to the armpit",
+    "arm_angle": "of the line from shoulder to wrist, below level",
+    "arm_length": "from the end of the shoulder to the wrist",
+    "wrist": "around, where it is thinnest",
+    "bust": "around, over the bust points",
+    "underbust": "around, below the bust",
+    "waist": "around, where it is narrowest between ribs and hip bones",
+    "hip": "around, over the most prominent points of the seat",
+    "thigh": "around the fuller leg, below the crotch",
+    "back_width": "of the bust, behind, from side to side",
+    "waist_back_width": "of the waist, behind, from side to side",
+    "hip_back_width": "of the hip, behind, from side to side",
+    "back_waist_length": "from the nape down the back to the waist",
+    "front_waist_length": "from the shoulder over the bust point to the waist",
+    "bust_depth": "from the shoulder to the bust point",
+    "bust_level": "upright, from the nape to the bust",
+    "bust_span": "between the bust points",
+    "waist_to_hip": "upright, from the waist to the hip",
+    "hip_to_crotch": "upright, from the hip to the crotch",
+    "seat_span": "between the most prominent points of the seat",
+    "hip_slope": "of the side from hip to waist, from upright",
+}
+"""The 26 measures, and how each is taken (ISO 8559-1 where it has one; the set is that of GarmentCode)."""
+
 GENDER_HEADINGS = ("gender", "sex", "body", "geschlecht", "sexe", "genre", "sesso", "genere", "sexo", "genero")
 
 GENDERS = {

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial import ConvexHull
+from scipy.spatial import ConvexHull, QhullError
 
 from ..geometry.connectivity import HalfEdges, find_components
 from .body import JOINTS, Body
@@ -142,9 +142,12 @@ def cut_faces(
 
 
 def hull_of(flat: np.ndarray) -> np.ndarray:
-    """Return the corners of the convex hull of points, shape [n, 2], counter-clockwise, by their numbers; none of fewer
-    than three points."""
-    return np.asarray(ConvexHull(flat).vertices) if len(flat) > 2 else np.zeros(0, dtype=np.int64)
+    """Return the corners of the convex hull of points, shape [n, 2], counter-clockwise, by their numbers; none where
+    all lie on one line."""
+    try:
+        return np.asarray(ConvexHull(flat).vertices)
+    except (QhullError, ValueError):
+        return np.zeros(0, dtype=np.int64)
 
 
 def girth_of(points: np.ndarray, axis: int) -> tuple[float, np.ndarray]:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ..body.body_tape import tabulate_body
 from ..garment.contour_edges import name_open_edges
 from ..garment.pieces.numbers import measure_pieces
 from ..judge.contour_shape import measure_contour_shapes
@@ -117,6 +118,7 @@ def measure(case: Case, state: RecoveryState) -> Metrics:
     metrics |= measure_fairness(garment.pattern, state.base, proved) | measure_plausibility(garment.pattern)
     metrics |= measure_contour_shapes(garment, meshes.drape_on_scan, case.scan_target, body)
     metrics |= measure_wear(state.target, body, meshes.detail, garment.faces, seed) | measure_upright(case.scan_target)
+    metrics |= tabulate_body(body)
     cuts = [one for one in state.findings if one.kind is FindingKind.CUT]
     names = ("cut.misfit", "cut.next_misfit", "cut.third_misfit")
     metrics |= {name: one.value for name, one in zip(names, cuts, strict=False)}

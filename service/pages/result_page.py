@@ -18,6 +18,7 @@ from ..results import ResultMissing, list_files, report_jobs
 from ..states import State
 from .fabric_words import draw_fabric
 from .markup import Html, html, join
+from .measures_card import draw_measures
 from .page_route import make_router
 from .session import VisitorOf
 from .shell import Visitor, draw_shell
@@ -57,6 +58,7 @@ def show_result(job: str, rooms: AppStateDependency, visitor: VisitorOf) -> Resp
             _draw_views(rooms, report, names, _find_person(rooms, report, visitor)),
             draw_family(report),
             _draw_known(rooms, report),
+            draw_measures(report),
             _draw_files(rooms, report, files, visitor),
         ]
     )

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body.body_tape import HOW_MEASURED, measure_body
+from garmentq.core.body.body_tape import measure_body, tabulate_body
 from garmentq.core.body.builtin import builtin_body
-from garmentq.core.body.measure_names import MEASURE_KINDS
+from garmentq.core.body.measure_names import HOW_MEASURED, MEASURE_KINDS
 from garmentq.core.body.standing import girth_of, length_of_line, stands_upright, taut_path
 from garmentq.core.body.template import rotations_of
 from shapely import MultiPoint, Polygon
@@ -89,6 +89,16 @@ def test_poses_of_a_model_do_not_matter():
     assert [stands_upright(body) for body in bodies] == [True, False]
     first, second = (measure_body(body) for body in bodies)
     assert [one.value for one in first.measures] == pytest.approx([one.value for one in second.measures], abs=1e-9)
+
+
+def test_holes_and_stumps_do_not_end_a_job(female):
+    """Broken where a body that is open, or lacks arms or legs, is an error instead of a measure that is missing."""
+    body, _ = female
+    middles = body.vertices[body.faces].mean(axis=1)
+    for kept in (middles[:, 1] > 0.9, middles[:, 1] < 1.2, np.abs(middles[:, 0]) < 0.2, middles[:, 2] < 0.0):
+        found = tabulate_body(replace(body, faces=body.faces[kept]))
+        assert len(found) == 26 and all(value is None or np.isfinite(value) for value in found.values())
+    assert tabulate_body(replace(body, source="form:x")) == {}
 
 
 def test_legs_that_touch_have_a_thigh_all_the_same():

@@ -9,11 +9,11 @@ from ...garment.pattern import Pattern
 from ...garment.pieces.layout import CLOTH_WIDTH
 from ...garment.pieces.make import make_pieces
 from ...garment.pieces.numbers import PieceNumbers, describe_pieces
-from ...garment.pieces.piece import PieceSet
 from ...garment.pieces.trueing import describe_trueing
 from ...run.errors import BadInput
 from ..formats.papers import find_paper
 from ..formats.tiled_pdf import tile_pieces
+from .measures_section import finished_html
 
 PAPER = "a4"
 """The paper of most printers."""
@@ -53,18 +53,8 @@ def pieces_html(pattern: Pattern) -> str:
         '<section><h2>Pieces to cut</h2><p class="hint">With the usual seam allowances: '
         f"{cloth}, or {sheets} sheets of A4 to print, by a simple layout. <code>garmentq export JOB --as pdf</code> "
         "draws them at true scale.</p>"
-        f"<table><tr>{head}</tr>{rows}</table>{notes}</section>{_measures_html(pieces)}"
+        f"<table><tr>{head}</tr>{rows}</table>{notes}</section>{finished_html(pattern, pieces.finished_measures)}"
     )
-
-
-def _measures_html(pieces: PieceSet) -> str:
-    """Return the section on finished measures, or nothing where the garment has none."""
-    rows = "".join(
-        f"<tr><td>{one.point}</td><td class=num>{1e2 * one.value:.1f}</td><td>{escape(one.how)}</td></tr>"
-        for one in pieces.finished_measures
-    )
-    head = "<tr><th>Measure</th><th class=num>[cm]</th><th>How it is taken</th></tr>"
-    return f"<section><h2>Finished measures</h2><table>{head}{rows}</table></section>" if rows else ""
 
 
 def _describe_cutting(one: PieceNumbers) -> str:

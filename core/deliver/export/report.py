@@ -16,6 +16,7 @@ from ...judge.line_intervals import describe_margins
 from ...recover.recovery import Recovery
 from ...run.verdict import worst_verdict
 from .drawing import DRAWING_SCALE_DENOMINATOR, pattern_drawing
+from .measures_section import wearer_html
 from .page import page_html
 from .pieces_section import pieces_html
 from .views import ERROR_COLOUR_STOPS, INFERRED_COLOUR, render_views
@@ -106,6 +107,7 @@ def report_html(recovery: Recovery) -> str:
         _gates(recovery),
         _pattern(recovery),
         pieces_html(recovery.pattern),
+        wearer_html(recovery.report.metrics),
         _fabric(recovery),
         _numbers(recovery),
         _settings(recovery),

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...body.body import Body
+from ...body.body_tape import tabulate_body
 from ...body.exposed import penetration_depth
 from ...cloth.fabric import Fabric
 from ...cloth.statics import Drape
@@ -129,6 +130,7 @@ def judge_dressed(
         ease, strain, pressure = measure_ease(garment, body), measure_strain(now), measure_pressure(now, wearer)
         cut = measure_pieces(now.pattern)
         metrics = {**measure_worn(now, wearer, drape), **tabulate_ease(ease), **cut.metrics, **(layers or {})}
+        metrics |= tabulate_body(body)
         metrics |= {
             "strain_p99": float(np.quantile(strain, 0.99)),
             "pressure_p99_pa": float(np.quantile(pressure, 0.99)),
