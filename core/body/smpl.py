@@ -4,6 +4,7 @@ The format (Loper et al. 2015, "SMPL: a skinned multi-person linear model"), wit
 `v_template` [N, 3], `shapedirs` [N, 3, B], `posedirs` [N, 3, 207], `J_regressor` [24, N], `weights` [N, 24],
 `kintree_table` [2, 24], `f` [F, 3]; and of the person, each optional, `betas` [<= B], `pose` [72] or [24, 3]
 (axis-angle, rad) and `trans` [3] (m). The arrays are the user's own: no such file comes with garmentq.
+SMPL-X, with 55 joints, is reduced to these (`smplx.py`).
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from ..run.errors import BadInput
 from ..run.npy import read_array
 from .body import JOINT_PARENTS, Body
 from .skinning import skin
+from .smplx import is_smplx, reduce_smplx
 from .template import articulate, rotations_of, transforms_of
 
 REQUIRED_ARRAYS = ("v_template", "shapedirs", "posedirs", "J_regressor", "weights", "kintree_table", "f")
@@ -121,6 +123,8 @@ def _read_array(file: IO[bytes], name: str, of: str) -> np.ndarray:
 
 def _check(found: dict[str, np.ndarray], name: str) -> dict[str, np.ndarray]:
     count = len(found["v_template"]) if found["v_template"].ndim == 2 else 0
+    if is_smplx(found):
+        found = reduce_smplx(found)
     found.setdefault("betas", np.zeros(0))
     found.setdefault("pose", np.zeros(72))
     found.setdefault("trans", np.zeros(3))
