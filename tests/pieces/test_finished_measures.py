@@ -10,7 +10,7 @@ from garmentq.core.garment.measure_change import scale_panels
 from garmentq.core.garment.measures import BodyMeasures
 from garmentq.core.garment.pattern import Pattern
 from garmentq.core.garment.pieces.finished_measures import measure_finished
-from garmentq.core.garment.pieces.finished_points import HOW_TAKEN, FinishedPoint
+from garmentq.core.garment.pieces.finished_points import HOW_TAKEN, FinishedPoint, list_finished
 from garmentq.core.garment.pieces.flatten import flatten_outline
 from garmentq.core.garment.pieces.make import make_pieces
 from garmentq.core.garment.pieces.numbers import describe_pieces
@@ -118,5 +118,7 @@ def test_pieces_have_them_as_metrics_and_say_how():
     pieces = make_pieces(load_template("trousers"))
     _, metrics = describe_pieces(pieces)
     assert metrics["finished.inseam_mm"] == pytest.approx(698.5, abs=1.5)
+    lines = list_finished(pieces.finished_measures)
+    assert lines[0].startswith("finished [cm]: waist 78.2, hip") and sum(line.count(",") + 1 for line in lines) == 7
     assert all(one.how == HOW_TAKEN[one.point] for one in pieces.finished_measures)
     assert set(HOW_TAKEN) == set(FinishedPoint)

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...garment.meshing import points_in_polygon
 from ...garment.pieces.bill import list_materials
+from ...garment.pieces.finished_points import list_finished
 from ...garment.pieces.instructions import list_sewing_steps
 from ...garment.pieces.layout import lay_on_cloth
 from ...garment.pieces.piece import PieceSet
@@ -95,7 +96,8 @@ def heading_lines(pieces: PieceSet) -> list[str]:
     details = [f"{label}: {keep_latin(value, 100)}" for label, value in pieces.details]
     lines = [f"size: {keep_latin(pieces.size)} cm" if pieces.size else "", keep_latin(pieces.fabric)]
     count = sum(piece.quantity for piece in pieces.cut_pieces)
-    return [*details, *filter(None, lines), f"{count} pieces to cut" + describe_cloth(pieces)]
+    finished = list_finished(pieces.finished_measures)
+    return [*details, *filter(None, lines), *finished, f"{count} pieces to cut" + describe_cloth(pieces)]
 
 
 def describe_cloth(pieces: PieceSet) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -70,3 +71,14 @@ class FinishedMeasure:
     def how(self) -> str:
         """Return how it is taken."""
         return HOW_TAKEN[self.point]
+
+
+MEASURES_PER_LINE = 4
+"""Number of finished measures on one line of a title."""
+
+
+def list_finished(measures: Sequence[FinishedMeasure]) -> list[str]:
+    """Return the lines of a title with finished measures: `finished [cm]: chest 102.0, waist 102.0`."""
+    texts = [f"{one.point} {100.0 * one.value:.1f}" for one in measures]
+    rows = [texts[i : i + MEASURES_PER_LINE] for i in range(0, len(texts), MEASURES_PER_LINE)]
+    return [f"{'finished [cm]: ' if not number else ''}{', '.join(row)}" for number, row in enumerate(rows)]

@@ -16,8 +16,8 @@ from .allowance import Allowances
 from .closure import find_closure
 from .darts import dart_lines, find_darts, find_slits, fold_mouth
 from .doubled import is_folded_double, is_lined, unfold_double
-from .finishing import Finishes, draft_finishes
 from .finished_measures import measure_finished
+from .finishing import Finishes, draft_finishes
 from .flatten import flatten_edge
 from .folding import find_fold_axis, fold_piece
 from .grain_line import draw_grain
