@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from ..run.errors import BadInput, keep_printable
 from ..run.units import UNITS
-from .measure_cells import Cell, Row, read_rows
+from .measure_cells import Row, read_rows
 from .measure_names import GENDER_HEADINGS, GENDERS, MEASURE_KINDS, Quantity, find_measures, simplify, split_unit
 from .measure_values import Value, read_value
 
@@ -233,6 +233,3 @@ def _check_spans(rows: tuple[MeasuredRow, ...]) -> None:
                 raise MeasuresBad(
                     f"{name} is {value:.4g} {unit}, and of persons {low:g} to {high:g} {unit}; correct it, or its unit."
                 )
-
-
-__all__ = ["Cell", "MeasureTable", "MeasuredRow", "MeasuresBad", "MeasuresUnclear", "read_measure_table"]

@@ -8,8 +8,6 @@ from pathlib import Path
 from .measure_table import MeasuresBad, read_measure_table
 from .spec import BUILTIN
 
-__all__ = ["MeasuresBad", "PersonMeasures", "read_measures", "read_table_text"]
-
 MAX_MEASURES_FILE_BYTES = 65_536
 """Largest size of a file of measures [bytes]: some hundred times the size of a usual one."""
 

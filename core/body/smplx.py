@@ -21,10 +21,14 @@ SMPLX_JOINT_COUNT = len(SMPLX_PARENTS)
 SHARED_JOINT_COUNT = 22
 """Number of joints that SMPL and SMPL-X share: from the pelvis to the wrists."""
 
-HEAD, FACE = 15, slice(22, 25)
-HANDS = (slice(25, 40), slice(40, 55))
-KNUCKLES = ((25, 28, 31, 34), (40, 43, 46, 49))
-"""First joints of index, middle, little and ring finger, left and right: their mean is SMPL's hand."""
+HEAD_JOINT = 15
+"""Index of the head's joint."""
+
+FACE_JOINTS, HAND_JOINTS = slice(22, 25), (slice(25, 40), slice(40, 55))
+"""Indices of the joints of jaw and eyes, and of the left and the right hand."""
+
+KNUCKLE_JOINTS = ((25, 28, 31, 34), (40, 43, 46, 49))
+"""Indices of the first joints of index, middle, little and ring finger, left and right: their mean is SMPL's hand."""
 
 POSE_VALUES_PER_JOINT = 9
 """Number of entries of a joint's rotation, by which pose blend shapes are numbered."""
@@ -44,23 +48,26 @@ def reduce_smplx(found: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
             if there, of 55 or 22 joints. Turns of fingers, jaw and eyes are left out.
     """
     count = len(found["v_template"])
-    wanted = {
+    shapes = {
         "J_regressor": (SMPLX_JOINT_COUNT, count),
         "weights": (count, SMPLX_JOINT_COUNT),
         "posedirs": (count, 3, POSE_VALUES_PER_JOINT * (SMPLX_JOINT_COUNT - 1)),
     }
-    if any(found[name].shape != shape for name, shape in wanted.items()):
+    if any(found[name].shape != shape for name, shape in shapes.items()):
         return found  # the caller names what is wrong
     weights, regressor = found["weights"], found["J_regressor"]
     body = weights[:, :SHARED_JOINT_COUNT].copy()
-    body[:, HEAD] += weights[:, FACE].sum(axis=1)
-    hands = [weights[:, hand].sum(axis=1) for hand in HANDS]
+    body[:, HEAD_JOINT] += weights[:, FACE_JOINTS].sum(axis=1)
+    hands = [weights[:, hand].sum(axis=1) for hand in HAND_JOINTS]
     directions = found["posedirs"][:, :, : POSE_VALUES_PER_JOINT * (SHARED_JOINT_COUNT - 1)]
     unmoved = np.zeros((count, 3, 2 * POSE_VALUES_PER_JOINT))
     reduced = found | {
         "weights": np.column_stack([body, *hands]),
         "J_regressor": np.concatenate(
-            [regressor[:SHARED_JOINT_COUNT], *(regressor[list(one)].mean(axis=0, keepdims=True) for one in KNUCKLES)]
+            [
+                regressor[:SHARED_JOINT_COUNT],
+                *(regressor[list(one)].mean(axis=0, keepdims=True) for one in KNUCKLE_JOINTS),
+            ]
         ),
         "posedirs": np.concatenate([directions, unmoved], axis=2),
         "kintree_table": np.array([[-1, *SMPLX_PARENTS[1:SHARED_JOINT_COUNT], 20, 21], range(24)], dtype=np.float64),
