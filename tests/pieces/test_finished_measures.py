@@ -107,10 +107,20 @@ def test_finishes_count_where_the_trade_counts_them():
     assert banded["sleeve"] == pytest.approx(plain["sleeve"], abs=0.05)
     necks = [
         values_of(draft_template(f"tshirt+{finish}", BodyMeasures()))
-        for finish in ("collar=none", "collar=rib", "collar=stand", "hood=two")
+        for finish in ("collar=none", "collar=rib", "collar=stand", "hood=two", "front=placket")
     ]
-    assert [one["neck"] for one in necks] == pytest.approx(4 * [necks[0]["neck"]], abs=0.1)
-    assert [one["length"] for one in necks] == pytest.approx(4 * [necks[0]["length"]], abs=0.1)
+    assert [one["neck"] for one in necks] == pytest.approx(5 * [necks[0]["neck"]], abs=0.1)
+    assert [one["length"] for one in necks] == pytest.approx(5 * [necks[0]["length"]], abs=0.1)
+
+
+def test_a_wrap_is_measured_closed():
+    """Broken where the cloth that lies over the other front counts twice, or a neckline without an end has a length."""
+    plain = values_of(load_template("dress"))
+    wrapped = values_of(draft_template("dress+neckline=v,front=wrap", BodyMeasures()))
+    assert [wrapped[point] for point in ("chest", "waist", "hip")] == pytest.approx(
+        [plain[point] for point in ("chest", "waist", "hip")], abs=0.1
+    )
+    assert "neck" not in wrapped
 
 
 def test_pieces_have_them_as_metrics_and_say_how():

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..curves import edge_length
 from ..orientation import place_points
 from ..panel_parts import find_arm_panels, find_side
 from ..pattern import Pattern
@@ -13,6 +14,9 @@ from ..polygon import polygon_area
 from ..seam_runs import SeamRun, end_of, length_of, list_runs, use_of
 from .finished_points import Line, Measured
 from .flatten import flatten_edge, flatten_outline
+
+SLIT_GAP = 1e-3
+"""Distance between both sides of a slit in their places up to which they lie on each other [m]."""
 
 RunEnds = tuple[SeamRun, str, str]
 """A run, and the uses of those before and after it."""
@@ -105,7 +109,20 @@ class SewnLines:
         seam = [run for run, use in self.uses.items() if use == "neck" and run.partner]
         if seam:
             return sum(length_of(self.pattern, run) for run in seam), tuple(map(self.line, seam))
-        return self.around("neck") if self.necks or self.arms else None
+        is_wrapped = any(run.contour == "wrap" for run in self.uses)  # then its edges cross, and end at no point
+        found = self.around("neck") if (self.necks or self.arms) and not is_wrapped else None
+        return None if found is None else (found[0] - self._slit_length("neck"), found[1])
+
+    def _slit_length(self, contour: str) -> float:
+        """Return the length of the edges of a contour that lie on another one of it, both sides of a slit [m]."""
+        edges = [
+            (panel, i, place_points(panel, panel.points[[i, (i + 1) % len(panel.points)]]))
+            for panel in self.pattern.panels for i, edge in enumerate(panel.edges) if edge.contour == contour
+        ]  # fmt: skip
+        return sum(
+            edge_length(panel, i) for panel, i, ends in edges
+            if any(np.abs(ends - other[::-1]).max() < SLIT_GAP for *_, other in edges)
+        )  # fmt: skip
 
     def band_width(self, contour: str) -> float:
         """Return the width of the band that has a contour [m], or 0 where the contour is on the cloth itself."""
