@@ -135,8 +135,9 @@ def _garment_rows(found: _Source, out: Path | None) -> list[list[object]]:
         return []
     from ..core.deliver.export.measure_figures import garment_figure_svg
     from ..core.garment.pieces.finished_measures import measure_finished
+    from ..core.garment.pieces.trueing import true_pattern
 
-    pattern = found.pattern
+    pattern = true_pattern(found.pattern).pattern  # as it is cut
     measures = measure_finished(pattern)
     _write(out, "garment.svg", lambda: garment_figure_svg(pattern, measures))
     return [["garment", str(one.point), round(100.0 * one.value, 1), "cm", one.how] for one in measures]

@@ -34,7 +34,7 @@ def _table(title: str, job: JobReport, before: str, how: Mapping[str, str]) -> H
     rows = []
     for name, text in how.items():
         length, angle = (job.metrics.get(f"{before}{name}_{unit}") for unit in ("mm", "deg"))
-        value = "" if length is None else f"{CENTIMETRES_PER_MM * length:.1f} cm"
+        value = "" if length is None else f"{CENTIMETRES_PER_MM * length:.1f}\u00a0cm"
         value = value if angle is None else f"{angle:.0f}°"
         if value:
             row = '<tr><th scope="row">{}</th><td class="number">{}</td><td class="soft">{}</td></tr>'

@@ -18,7 +18,7 @@ def test_a_result_shows_the_measures_of_garment_and_wearer():
     pieces = make_pieces(load_template("tshirt"))
     wearer = tabulate_body(builtin_body("builtin:female,height=1.70"))
     metrics = describe_pieces(pieces)[1] | wearer
-    shown = str(draw_measures(SimpleNamespace(id="3685ecfd4f81", metrics=metrics)))
+    shown = str(draw_measures(SimpleNamespace(id="3685ecfd4f81", metrics=metrics))).replace("\u00a0", " ")
     assert shown.count('scope="row"') == len(pieces.finished_measures) + 26
     assert (
         "102.0 cm" in shown and "170.0 cm" in shown and "around, 2.5 cm below the armhole" in shown and "47°" in shown

@@ -90,8 +90,8 @@ def body_figure_svg(figure: MeasuredFigure) -> str:
     return _document(parts, rows, len(SIDES) * FIGURE_WIDTH_PX, FIGURE_HEIGHT_PX)
 
 
-def garment_figure_svg(pattern: Pattern, measures: Sequence[FinishedMeasure]) -> str:
-    """Return an SVG of a garment's panels with the numbered lines of its finished measures, and their list."""
+def garment_figure_svg(pattern: Pattern, measures: Sequence[FinishedMeasure], is_listed: bool = True) -> str:
+    """Return an SVG of a garment's panels with the numbered lines of its finished measures, and their list if asked."""
     outlines = {panel.name: flatten_outline(panel)[0] for panel in pattern.panels}
     lows = np.array([outline.min(axis=0) for outline in outlines.values()])
     sizes = np.array([np.ptp(outline, axis=0) for outline in outlines.values()])
@@ -112,7 +112,7 @@ def garment_figure_svg(pattern: Pattern, measures: Sequence[FinishedMeasure]) ->
         parts.append(f'<polygon class="panel" points="{points}"/><text x="{x:.0f}" y="{y:.0f}">{escape(name)}</text>')
     for number, one in enumerate(measures, 1):
         parts += [_drawn(place(name, line), number, marks) for name, line in one.lines]
-    rows = [_Row(str(one.point), f"{100.0 * one.value:.1f} cm", one.how) for one in measures]
+    rows = [_Row(str(one.point), f"{100.0 * one.value:.1f} cm", one.how) for one in measures if is_listed]
     return _document(parts, rows, round(scale * float(extent[0])), round(scale * float(extent[1])))
 
 
@@ -150,11 +150,10 @@ def _document(parts: list[str], rows: Sequence[_Row], width: int, height: int) -
         listed.append(
             f'<text class="mark" x="{width + 12}" y="{y}">{number}</text>'
             f'<text class="head" x="{width + 42}" y="{y}">{escape(row.name)}</text>'
-            f'<text x="{width + 190}" y="{y}" text-anchor="end">{""}</text>'
             f'<text x="{width + 262}" y="{y}" text-anchor="end">{escape(row.value)}</text>'
             f'<text x="{width + 276}" y="{y}">{escape(row.how)}</text>'
         )
-    whole = width + LIST_WIDTH_PX + 276
+    whole = width + (LIST_WIDTH_PX + 276 if rows else 0)
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{whole}" height="{tall}" viewBox="0 0 {whole} {tall}">'
         f'<style>{FIGURE_STYLE}</style><rect width="{whole}" height="{tall}" fill="#fff"/>{"".join(parts)}'

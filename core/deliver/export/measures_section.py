@@ -17,8 +17,8 @@ def finished_html(pattern: Pattern, measures: Sequence[FinishedMeasure]) -> str:
     """Return the section on a garment's finished measures and where they are taken, or nothing where it has none."""
     if not measures:
         return ""
-    figure = base64.b64encode(garment_figure_svg(pattern, measures).encode()).decode("ascii")
-    rows = [(str(one.point), f"{1e2 * one.value:.1f} cm", one.how) for one in measures]
+    figure = base64.b64encode(garment_figure_svg(pattern, measures, is_listed=False).encode()).decode("ascii")
+    rows = [(f"{n} {one.point}", f"{1e2 * one.value:.1f} cm", one.how) for n, one in enumerate(measures, 1)]
     picture = f'<p><img style="width:100%" alt="Where they are taken" src="data:image/svg+xml;base64,{figure}"></p>'
     return f"<section><h2>Finished measures</h2>{_table(rows)}{picture}</section>"
 
