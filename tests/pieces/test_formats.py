@@ -177,7 +177,7 @@ def test_the_test_squares_measure_what_they_say():
     assert [float(x) for x in reader.pages[0].mediabox[2:]] == pytest.approx([595.276, 841.890], abs=1e-3)
     image = render(content)
     pixel = 25.4 / 600
-    across = image[int(55 / pixel) : int(90 / pixel)]  # between the squares' upper and lower sides
+    across = image[int(65 / pixel) : int(100 / pixel)]  # between the squares' upper and lower sides
     sides = np.flatnonzero((across < 128).all(axis=0))
     groups = np.split(sides, np.flatnonzero(np.diff(sides) > 3) + 1)
     middles = [group.mean() * pixel for group in groups]
