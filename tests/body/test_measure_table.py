@@ -100,9 +100,7 @@ def test_what_is_not_known_is_left_and_listed(tmp_path):
     path.write_text("gender,female\nheight,170\nbust,92\nneck,35\nage,34\nname,Anna\n")
     found = read_measures(path)
     assert found.spec == "builtin:female,height=1.7,chest=0.92" and found.left == ("age: 34", "neck")
-    table = read_measure_table("name,bust,waist,inseam,colour
-S,88,70,78,red
-")
+    table = read_measure_table("name,bust,waist,inseam,colour\nS,88,70,78,red\n")
     assert table.left == ("colour: red",) and set(table.rows[0].measures) == {"bust", "waist", "inseam"}
 
 
