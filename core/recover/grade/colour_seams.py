@@ -22,8 +22,11 @@ MIN_EXPLAINED_SHARE = 0.5
 """Share of the colours' variance across a seam from which one step explains them [1]: most of it. Of prints and noise
 it explains less; a stripe has two steps."""
 
+ROW_SPACING = 0.015
+"""Distance of the places along a seam from which its colours are searched [m]."""
+
 POOLED_ROW_COUNT = 7
-"""Number of neighbouring nodes whose colours are compared together [1]: 10 cm of a seam, more than a print's repeat."""
+"""Number of neighbouring places whose colours are compared together [1]: 10 cm of a seam, more than prints repeat."""
 
 MIN_TONE_DIFFERENCE = 0.15
 """Difference of a channel over the mean one from which two colours are two cloths and not one in light and shade [1]:
@@ -35,8 +38,8 @@ MAX_LIGHTING_RATIO = 3.0
 MIN_BRIGHTNESS = 0.02
 """Brightness of black cloth [1, of RGB in 0..1]."""
 
-MIN_SEEN_NODES = 4
-"""Number of a seam's nodes that must show a step for the seam to be seen [1]: fewer may be a badge or a button."""
+MIN_SEEN_ROWS = 4
+"""Number of places that must show a step for the seam to be seen [1]: fewer may be a badge or a button."""
 
 MAX_SURFACE_DISTANCE = 0.015
 """Distance from the scan beyond which a searched point is beside it [m]: half a fold."""
@@ -65,7 +68,7 @@ class ColourStep:
 def find_colour_steps(garment: Garment, target: Target) -> dict[PatternLine, ColourStep]:
     """Find the seams at which a scan's colours make a step, and where; none on a scan without colours.
 
-    The colours at points on both sides of each node are compared with a step (`find_steps`); within an edge of the
+    The colours on both sides of places along it are compared with a step (`find_steps`); within an edge of the
     scan's mesh its colours are mixed.
 
     Args:
@@ -81,18 +84,17 @@ def find_colour_steps(garment: Garment, target: Target) -> dict[PatternLine, Col
     for line in list_lines(garment.pattern):
         if line.is_open:
             continue
-        nodes, along = _walk(line, garment)
-        across = unit(np.cross(normals[nodes], along))
+        nodes, row, starts, across = _walk(line, garment, normals)
         offsets = np.arange(-SEARCH_REACH, SEARCH_REACH + 0.5 * SEARCH_STEP, SEARCH_STEP)
-        points = garment.nodes[nodes][:, None] + offsets[None, :, None] * across[:, None]
+        points = starts[:, None] + offsets[None, :, None] * across[:, None]
         closest = surface.closest(points.reshape(-1, 3))
         colours = closest.interpolate(target.colours, target.faces).reshape(*points.shape)
         near = closest.distance.reshape(points.shape[:2]) < MAX_SURFACE_DISTANCE
         places, is_seen = find_steps(colours, near, blur)
-        if is_seen.sum() >= MIN_SEEN_NODES and is_seen.mean() > 0.5:
-            shift = offsets[0] + SEARCH_STEP * places[is_seen]
-            feet = garment.nodes[nodes[is_seen]] + shift[:, None] * across[is_seen]
-            found[line] = ColourStep(nodes[is_seen], across[is_seen], feet)
+        if is_seen.sum() >= MIN_SEEN_ROWS and is_seen.mean() > 0.5:
+            nodes, row = nodes[is_seen[row]], row[is_seen[row]]
+            shift = offsets[0] + SEARCH_STEP * places[row]
+            found[line] = ColourStep(nodes, across[row], garment.nodes[nodes] + shift[:, None] * across[row])
     return found
 
 
@@ -166,11 +168,30 @@ def _fit(terms: np.ndarray, colours: np.ndarray, clear: np.ndarray) -> tuple[np.
     return found, (clear[:, :, None] * (colours - terms @ found) ** 2).sum(axis=(1, 2))
 
 
-def _walk(line: PatternLine, garment: Garment) -> tuple[np.ndarray, np.ndarray]:
-    """Return the inner nodes of a seam, shape [n], and the directions along it there, shape [n, 3]."""
-    nodes, along = [], []
+def _walk(
+    line: PatternLine, garment: Garment, normals: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return a seam's inner nodes, shape [n], and the row next to each; of each row of its search, `ROW_SPACING` apart,
+    the place on the seam and the unit direction across it, shape [m, 3] each."""
+    nodes, rows, starts, across = [], [], [], []
+    count = 0
     for ref in line.edges:
         path = garment.uv_node[garment.edge_uv[ref]]
+        points = garment.nodes[path]
+        pieces = np.linalg.norm(np.diff(points, axis=0), axis=1)
+        arc = np.concatenate([[0.0], np.cumsum(pieces)])
+        number = max(int(arc[-1] / ROW_SPACING), 1)
+        at = (np.arange(number) + 0.5) * arc[-1] / number
+        ahead, behind = (
+            _interpolate(np.clip(at + way, 0.0, arc[-1]), arc, points) for way in (ROW_SPACING, -ROW_SPACING)
+        )
+        starts.append(_interpolate(at, arc, points))
+        across.append(unit(np.cross(_interpolate(at, arc, normals[path]), ahead - behind)))
         nodes.append(path[1:-1])
-        along.append(garment.nodes[path[2:]] - garment.nodes[path[:-2]])
-    return np.concatenate(nodes), unit(np.concatenate(along))
+        rows.append(count + np.abs(arc[1:-1, None] - at).argmin(axis=1))
+        count += number
+    return np.concatenate(nodes), np.concatenate(rows), np.concatenate(starts), np.concatenate(across)
+
+
+def _interpolate(at: np.ndarray, arc: np.ndarray, values: np.ndarray) -> np.ndarray:
+    return np.stack([np.interp(at, arc, column) for column in values.T], axis=1)

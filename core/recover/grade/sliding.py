@@ -18,7 +18,11 @@ from ...run.hooks import SILENT_HOOKS, Hooks
 from ...scan.contours.target import Target
 from .grading import GradeSettings, move_pattern, step_without_folds
 from .isometry import Isometry, IsometrySettings
+from .seen_seams import find_coloured_seams
 from .strain import clamp_stretch, subgrid_stretch
+
+MAX_COLOUR_ROUND_COUNT = 3
+"""Number of times that seams slide while colours show them elsewhere: each goes about half of the way."""
 
 
 @dataclass(frozen=True)
@@ -79,12 +83,17 @@ def slide_seams(
     settings = settings or SlideSettings()
     chosen = settings.isometry
     found, strain = mesh_coarsely(garment, chosen)
-    problem = Isometry.of(found, target, body, base, strain, chosen)
 
     def tell(step: int) -> None:
         hooks.progress("grade", step / chosen.steps, "sliding the seams into place")
 
-    slid = solve_isometry(problem, found, settings.settled, tell)
+    slid = found
+    for _ in range(MAX_COLOUR_ROUND_COUNT):
+        problem = Isometry.of(slid, target, body, base, strain, chosen)
+        slid = solve_isometry(problem, slid, settings.settled, tell)
+        coloured = find_coloured_seams(slid, target)
+        if all(np.abs(seam.distance(slid.nodes)).mean() < chosen.seam_scale for seam in coloured):
+            break
     tried = {"slid": slid, "as graded": found}
     return choose_best("seams", tried, lambda one: float(one is slid and not can_be_meshed(one)), hooks)
 
