@@ -9,7 +9,7 @@ import numpy as np
 
 from ..core.body.body import Body
 from ..core.garment.measures import BodyMeasures
-from ..core.garment.parts.cut import Collar, Cuff, Cut, Front, HemBand, Hood, Legs, Skirt, Sleeve
+from ..core.garment.parts.cut import Collar, Cuff, Cut, Front, HemBand, Hood, Legs, Skirt, Sleeve, Vent
 from ..core.garment.parts.part_words import parse_parts
 from ..core.garment.templates import find_cut, name_cut
 from ..core.people.part import Part
@@ -26,7 +26,8 @@ OVER = 0.12
 """Share of persons in an outer layer."""
 
 TOP_FINISHES = {
-    "": 0.66,
+    "": 0.63,
+    "front=wrap,neckline=v": 0.03,
     "collar=shirt,front=buttons": 0.10,
     "collar=convertible,front=buttons": 0.02,
     "collar=polo,front=placket": 0.05,
@@ -57,12 +58,27 @@ OUTER_FINISHES = {
 """The same of outer layers: six in ten are open, a quarter is zipped up."""
 
 DRESS_FINISHES = {
-    "": 0.8,
+    "": 0.64,
+    "front=wrap,neckline=v": 0.06,
+    "front=wrap,neckline=v,waist=seam": 0.06,
+    "shaping=gathers,waist=seam": 0.04,
     "collar=shirt,front=buttons": 0.12,
     "collar=convertible,front=buttons": 0.04,
     "collar=turtleneck": 0.04,
 }
-"""The same of dresses."""
+"""The same of dresses, and how a waist seam is shaped: one dress in eight is wrapped."""
+
+SKIRTS = {"": 0.78, "vent=back": 0.07, "vent=sides": 0.05, "skirt=gathered,waistband=band": 0.10}
+"""Vents and gathers of skirts that are not held out, and how often each is drawn: estimates, as all shares."""
+
+TOP_VENTS = {"none": 0.86, "sides": 0.10, "back": 0.04}
+"""Vents of tops without a band at the hem."""
+
+SHIRT_CUFFED = 0.8
+"""Share of shirt cuffs among long sleeves below a shirt's or convertible collar: the others end in a hem."""
+
+GATHERED_LEGS = 0.2
+"""Share of gathers among trousers with a band."""
 
 HOOD_UP = 0.2
 """Share of hoods that are worn on the head: most people put them down to be scanned."""
@@ -173,7 +189,11 @@ def _lower(m: BodyMeasures, rng: np.random.Generator, held_out: bool) -> Piece:
         legs, waistband = draw_word(LEGS, rng), draw_word(WAISTBANDS, rng)
         if (legs, waistband) == ("leggings", "elastic"):  # leggings hold by their own stretch
             waistband = "none"
-        name = name_finished(name, f"legs={legs},waistband={waistband}")
+        is_gathered = waistband == "band" and legs != "leggings" and rng.random() < GATHERED_LEGS
+        gathers = ",shaping=gathers" if is_gathered else ""
+        name = name_finished(name, f"legs={legs},waistband={waistband}{gathers}")
+    elif name == "skirt":
+        name = name_finished(name, draw_word(SKIRTS, rng))
     return Piece(name, Part.LOWER, slim)
 
 
@@ -197,6 +217,10 @@ def _draw_top(sleeve: str, finishes: dict[str, float], rng: np.random.Generator)
         parts.append("sleeve_head=dropped")
     if is_ribbed:
         parts += ["hem_band=rib", "cuff=rib" if sleeve == "long" else ""]
+    else:
+        is_shirt = word.startswith(("collar=shirt", "collar=convertible"))
+        parts.append("cuff=shirt" if sleeve == "long" and is_shirt and rng.random() < SHIRT_CUFFED else "")
+        parts.append(f"vent={draw_word(TOP_VENTS, rng)}")
     return name_finished("tshirt" if sleeve == "short" else "long_sleeve_tshirt", ",".join(parts))
 
 
@@ -212,7 +236,8 @@ def draw_word(shares: dict[str, float], rng: np.random.Generator) -> str:
 
 
 def draw_trims(piece: Piece, rest: Body, rng: np.random.Generator) -> list[Trim]:
-    """Draw where a garment is cut shorter than its draft: sleeves, legs, hem, neckline, none of which is finished."""
+    """Draw where a garment is cut shorter than its draft: sleeves, legs, hem, neckline, none of which is finished, as a
+    hem is by a vent."""
     trims: list[Trim] = []
     cut = piece.cut
     shoulder, wrist = rest.joint("left_shoulder"), rest.joint("left_wrist")
@@ -223,7 +248,8 @@ def draw_trims(piece: Piece, rest: Body, rng: np.random.Generator) -> list[Trim]
         reach = shoulder[0] + rng.uniform(0.08, 1.0) * (wrist[0] - shoulder[0])
         slant = rng.normal(0.0, 0.12)
         trims.append(lambda p: reach - np.abs(p[:, 0]) + slant * (p[:, 1] - shoulder[1]))
-    if piece.part is Part.UPPER and cut.hem_band is HemBand.NONE and rng.random() < 0.35:
+    is_hemmed = cut.hem_band is HemBand.NONE and cut.vent is Vent.NONE
+    if piece.part is Part.UPPER and is_hemmed and rng.random() < 0.35:
         hem = pelvis[1] + rng.uniform(-0.12, 0.12)
         wave = rng.normal(0.0, 0.1)
         trims.append(lambda p: p[:, 1] - hem - wave * np.abs(p[:, 0]) + tilt[0] * p[:, 2])
@@ -233,7 +259,7 @@ def draw_trims(piece: Piece, rest: Body, rng: np.random.Generator) -> list[Trim]
     if cut.legs not in (Legs.NONE, Legs.SHORT) and rng.random() < 0.55:
         leg = ankle[1] + rng.uniform(-0.02, 0.75) * (pelvis[1] - ankle[1])
         trims.append(lambda p: p[:, 1] - leg + tilt[1] * p[:, 2])
-    if cut.skirt is not Skirt.NONE and rng.random() < 0.4:
+    if cut.skirt is not Skirt.NONE and is_hemmed and rng.random() < 0.4:
         low = knee[1] + rng.uniform(-0.05, 0.25) * (pelvis[1] - knee[1]) * 2
         trims.append(lambda p: p[:, 1] - low + tilt[2] * p[:, 2])
     if piece.part is not Part.LOWER and not piece.is_finished and rng.random() < 0.5:

@@ -13,7 +13,7 @@ from ..core.body.distance import DistanceGrid
 from ..core.body.skinning import skin, weights_at
 from ..core.garment.creases import mark_turned_faces
 from ..core.garment.garment import Garment
-from ..core.garment.parts.cut import Hood, HoodWorn
+from ..core.garment.parts.cut import Front, Hood, HoodWorn
 from ..core.garment.sewing import mesh_pattern
 from ..core.garment.templates import draft_template
 from ..core.people.part import Part
@@ -56,8 +56,10 @@ class Worn:
 
     @property
     def layers(self) -> LayerContact | None:
-        """Return how its layers are kept apart: where cloth is turned over, or a hood is, lies on cloth of its own."""
-        return LayerContact() if self.threads.is_creased or self.piece.cut.hood is not Hood.NONE else None
+        """Return how its layers are kept apart: where cloth is turned over, wrapped, or a hood, it lies on its own."""
+        cut = self.piece.cut
+        is_layered = self.threads.is_creased or cut.hood is not Hood.NONE or cut.front is Front.WRAP
+        return LayerContact() if is_layered else None
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import pytest
 from garmentq.core.body.template import load_template
 from garmentq.core.garment.creases import mark_turned_faces
 from garmentq.core.garment.measures import BodyMeasures
-from garmentq.core.garment.parts.cut import Collar, Front, Hood, HoodWorn
+from garmentq.core.garment.parts.cut import Collar, Cuff, Front, Hood, HoodWorn, Shaping, Skirt, Vent
 from garmentq.core.garment.templates import draft_template
 from garmentq.core.geometry.geometry import face_normals
 from garmentq.core.geometry.surface import TriangleSurface
@@ -15,11 +15,20 @@ from garmentq.core.people.part import Part
 from garmentq.core.recover.drape.sizing import measure_wearer
 from garmentq.training import designs, persons, wardrobe
 from garmentq.training.accessories import draw_accessories
-from garmentq.training.designs import DRESS_FINISHES, HELD_OUT, OUTER_FINISHES, TOP_FINISHES, Piece, draw_outfit
+from garmentq.training.designs import (
+    DRESS_FINISHES,
+    HELD_OUT,
+    OUTER_FINISHES,
+    SKIRTS,
+    TOP_FINISHES,
+    TOP_VENTS,
+    Piece,
+    draw_outfit,
+)
 from garmentq.training.wardrobe import goes_around_arms, grid_of, put_on, take_pose
 from garmentq.training.wearer import at_rest, pose_angles, stand
 
-DRAWS = 400
+DRAWS = 600
 SHIRT = "long_sleeve_tshirt+"
 
 
@@ -45,7 +54,7 @@ def test_people_wear_every_collar_hood_and_front(drawn):
     cuts = [piece.cut for piece in drawn]
     assert {cut.collar for cut in cuts} == set(Collar)
     assert {cut.hood for cut in cuts} == set(Hood)
-    assert {cut.front for cut in cuts} == set(Front) - {Front.WRAP}
+    assert {cut.front for cut in cuts} == set(Front)
     assert {cut.hood_worn for cut in cuts if cut.hood is not Hood.NONE} == set(HoodWorn)
     tops = [piece.is_finished for piece in drawn if piece.part is Part.UPPER]
     assert 0.2 < np.mean(tops) < 0.45
@@ -61,7 +70,20 @@ def test_what_is_drawn_can_be_drafted(drawn):
         assert draft_template(name, BodyMeasures()).panels
 
 
-@pytest.mark.parametrize("shares", [TOP_FINISHES, OUTER_FINISHES, DRESS_FINISHES])
+def test_people_wear_wraps_vents_shirt_cuffs_and_gathers(drawn):
+    """Broken where one of them is never drawn or the rule, or a hem or a cuff that is finished is cut off."""
+    cuts = {part: [piece.cut for piece in drawn if piece.part is part] for part in Part}
+    for part, least, most in ((Part.UPPER, 0.005, 0.08), (Part.ONE_PIECE, 0.02, 0.25)):
+        assert least < np.mean([cut.front is Front.WRAP for cut in cuts[part]]) < most
+    assert {cut.vent for cut in cuts[Part.UPPER]} == {cut.vent for cut in cuts[Part.LOWER]} == set(Vent)
+    shirts = [cut for cut in cuts[Part.UPPER] if cut.collar is Collar.SHIRT and cut.sleeve == "long"]
+    assert 0.5 < np.mean([cut.cuff is Cuff.SHIRT for cut in shirts]) < 1.0
+    assert any(cut.skirt is Skirt.GATHERED for cut in cuts[Part.LOWER])
+    for part in (Part.LOWER, Part.ONE_PIECE):
+        assert 0.0 < np.mean([cut.shaping is Shaping.GATHERS for cut in cuts[part]]) < 0.2
+
+
+@pytest.mark.parametrize("shares", [TOP_FINISHES, OUTER_FINISHES, DRESS_FINISHES, SKIRTS, TOP_VENTS])
 def test_shares_are_of_a_whole(shares):
     """Broken where a share is changed and the others are not: the stated ones would not be those that are drawn."""
     assert sum(shares.values()) == pytest.approx(1.0)
@@ -101,6 +123,25 @@ def test_collars_stay_turned_in_a_pose(wearer, monkeypatch, parts, part, pose):
     normals = face_normals(vertices, faces)[0][is_turned]
     away = grid_of(body).measure(middles[is_turned])[1]
     assert ((normals * away).sum(axis=1) > 0.0).mean() > 0.9
+
+
+@pytest.mark.parametrize(
+    ("parts", "pose"),
+    [("front=wrap,neckline=v", "A"), pytest.param("front=wrap,neckline=v,vent=sides", "up", marks=pytest.mark.nightly)],
+)
+def test_the_outer_front_of_a_wrap_stays_outside(wearer, monkeypatch, parts, pose):
+    """Broken where the fronts pass through each other as a person takes a pose: a scanner would see the inner one."""
+    one, layer, _ = wear(wearer, monkeypatch, parts, pose=pose)
+    pattern = one.garment.pattern
+    panel = np.repeat(one.garment.panel_of_uv[one.garment.uv_faces[:, 0]], 4)
+    outer, inner = ([p.name for p in pattern.panels].index(name) for name in ("front_right", "front_left"))
+    vertices, faces = layer.mesh
+    middles = vertices[faces[panel == inner]].mean(axis=1)
+    over = TriangleSurface(vertices, faces[panel == outer])
+    found = over.closest(middles)
+    covered = (found.distance < 0.02) & ~over.border_faces[found.face]
+    assert covered.mean() > 0.2
+    assert (over.heights(middles[covered]) < 0.0).mean() > 0.9
 
 
 @pytest.mark.parametrize(
