@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from garmentq.core.body.builtin import builtin_body
-from garmentq.core.garment.parts.cut import Collar, Front, HemBand, Vent
+from garmentq.core.garment.parts.cut import Collar, Cuff, Front, HemBand, Vent
 from garmentq.core.garment.parts.shipped_cuts import CUTS
 from garmentq.core.garment.templates import find_cut, load_template
 from garmentq.core.geometry.geometry import vertex_normals
@@ -13,7 +13,7 @@ from garmentq.core.recover.drape.stage import DrapeSettings, drape_template
 from garmentq.core.recover.drape.wearer import WearerGeometry
 from garmentq.core.recover.grade.choice import choose_cut
 from garmentq.core.recover.grade.neck_finish import NeckFinish
-from garmentq.core.recover.grade.openings import find_openings, open_vents
+from garmentq.core.recover.grade.openings import find_openings, open_slits
 from garmentq.core.scan.contours.category import choose_category
 from garmentq.core.scan.contours.contours import name_contours
 from garmentq.core.scan.contours.slits import Slit, SlitName, find_slits
@@ -43,11 +43,45 @@ def test_vents_of_a_drape_are_found_and_chosen(name: str) -> None:
 def test_vents_are_opened_where_a_cut_has_a_place_for_them() -> None:
     """Breaks where the user's choice is overruled, one slit of two counts, or a band is slit."""
     cut = CUTS["tshirt"]
-    assert open_vents(cut, SIDES, fixed=False).vent is Vent.SIDES
-    assert open_vents(cut, SIDES, fixed=True).vent is Vent.NONE
-    assert open_vents(cut, SIDES[:1], fixed=False).vent is Vent.NONE
-    assert open_vents(cut.choose({"hem_band": HemBand.RIB.value}), SIDES, fixed=False).vent is Vent.NONE
-    assert open_vents(CUTS["trousers"], SIDES, fixed=False).vent is Vent.NONE
+    assert open_slits(cut, SIDES, ()).vent is Vent.SIDES
+    assert open_slits(cut, SIDES, ("vent",)).vent is Vent.NONE
+    assert open_slits(cut, SIDES[:1], ()).vent is Vent.NONE
+    assert open_slits(cut.choose({"hem_band": HemBand.RIB.value}), SIDES, ()).vent is Vent.NONE
+    assert open_slits(CUTS["trousers"], SIDES, ()).vent is Vent.NONE
+
+
+CUFFS = (Slit(SlitName.LEFT_CUFF, 0.1), Slit(SlitName.RIGHT_CUFF, 0.11))
+
+
+def test_slits_above_both_cuffs_are_those_of_shirt_cuffs() -> None:
+    """Breaks where a tear in one sleeve makes a cuff, a short sleeve gets one, or the user's choice is overruled."""
+    cut = CUTS["long_sleeve_tshirt"]
+    assert open_slits(cut, CUFFS, ()).cuff is Cuff.SHIRT
+    assert open_slits(cut, CUFFS[:1], ()).cuff is Cuff.NONE
+    assert open_slits(cut, CUFFS, ("cuff",)).cuff is Cuff.NONE
+    assert open_slits(CUTS["tshirt"], CUFFS, ()).cuff is Cuff.NONE
+    assert open_slits(cut.choose({"cuff": Cuff.RIB.value}), CUFFS, ()).cuff is Cuff.RIB
+    both = open_slits(cut, (*CUFFS, *SIDES), ())
+    assert (both.cuff, both.vent) == (Cuff.SHIRT, Vent.SIDES)
+
+
+@pytest.mark.parametrize(("width", "is_found"), [(0.004, True), (0.06, False)])
+def test_a_long_hole_along_the_forearm_is_a_slit_and_a_round_one_damage(width: float, is_found: bool) -> None:
+    """Breaks where a slit above a buttoned cuff, which breaks through no contour, is damage, or any hole is a slit."""
+    holes, points = [], []
+    for side in ("left", "right"):
+        elbow, wrist = BODY.joint(f"{side}_elbow"), BODY.joint(f"{side}_wrist")
+        arm = (wrist - elbow) / np.linalg.norm(wrist - elbow)
+        aside = np.cross(arm, (0.0, 1.0, 0.0))
+        turn = np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)
+        rim = 0.05 * np.cos(turn)[:, None] * arm + 0.5 * width * np.sin(turn)[:, None] * aside
+        holes.append(len(points) * 40 + np.arange(40))
+        points.append(wrist - 0.1 * arm + 0.04 * aside + rim)
+    vertices = np.concatenate(points)
+    target = Target(vertices, np.zeros((0, 3), np.int64), vertices, (), tuple(holes), "long_sleeve_tshirt")
+    found = find_slits(target, BODY)
+    assert [one.name for one in found] == ([SlitName.LEFT_CUFF, SlitName.RIGHT_CUFF] if is_found else [])
+    assert all(one.extent == pytest.approx(0.1, rel=0.02) for one in found)
 
 
 def test_fronts_have_probabilities_and_slits_lengths() -> None:

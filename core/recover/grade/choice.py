@@ -15,6 +15,7 @@ from ...garment.neckline_fit import NecklineFit, NecklineFits, fit_necklines
 from ...garment.parts.cut import Collar, Cut, Front, Hood, Neckline, Skirt, Waist
 from ...garment.parts.draft import draft_cut, half_neck_width
 from ...garment.parts.shipped_cuts import CUTS
+from ...garment.parts.wraps import check_wrap
 from ...garment.pattern import Pattern
 from ...garment.templates import list_templates, load_template, name_cut
 from ...run.errors import BadInput
@@ -24,12 +25,14 @@ from ...scan.contours.target import Target
 from ..drape.sizing import oversize_measures
 from .cut_search import GirthSettings, search_cuts
 from .hem_gores import HemGores, find_gores
+from .lap import find_lap
 from .neck_finish import NeckFinish, ShownSides, rank_finishes
 from .neck_shape import NeckShape
-from .openings import Opening, find_openings, open_vents
+from .openings import Opening, find_openings, open_slits
 from .sleeve_length import fit_sleeve
 from .trunk_curvature import TrunkCurvature
 from .waist_seam import has_curved_waist, sew_waist
+from .wrap_choice import add_wrap, draw_wrapped_necklines, unwrap
 
 STAND_IN_CATEGORIES = {"long_sleeve_tshirt": "tshirt", "shorts": "trousers"}
 """Categories whose templates replace those of a category without its own: grading changes lengths, but adds no seam."""
@@ -118,11 +121,15 @@ def choose_cut(
     choices, fits, gores = dict(parts or {}), fit_necklines(target, body), find_gores(target)
     templates, found = rank_templates(target, list(CUTS)), dict[str, tuple[int, Candidate, Cut]]()
     shape, slits = NeckShape.of(target, body), find_slits(target, body)
-    finishes = () if shape is None else rank_finishes(shape, CUTS[templates[0][0]], choices, sides)
-    ranked = _rank_cuts(target, body, choices, templates, gores, finishes[:1])
+    usual_cut, lap = CUTS[templates[0][0]], find_lap(target, body, sides)
+    if choices.get("front") == Front.WRAP:
+        check_wrap(usual_cut.choose({"neckline": Neckline.V.value} | choices))
+    finishes = () if shape is None else rank_finishes(shape, usual_cut, choices, sides)
+    finishes = add_wrap(finishes, lap, fits, usual_cut, choices)
+    ranked = _rank_cuts(target, body, choices, templates, gores, unwrap(finishes[:1]))
     pairs = [*product(ranked, finishes[:1] or (None,)), *product(ranked[:1], finishes[1:MAX_NAMED_CUT_COUNT])]
     for one, finish in pairs:
-        finished = open_vents(_finish(one.cut, finish), slits, "vent" in choices)
+        finished = open_slits(_finish(one.cut, finish), slits, choices)
         for named, line in _with_necklines(finished, fits, choices):
             name, unlike, likely = name_cut(one.template, named), None, None
             if finish is not None:
@@ -139,7 +146,7 @@ def choose_cut(
     measures = oversize_measures(body)
     usual = cut == CUTS.get(name) and measures is None
     pattern = load_template(name) if usual else draft_cut(cut, measures, name)
-    return Choice(name, pattern, candidates, tuple(notes), find_openings(target, shape, finishes, slits))
+    return Choice(name, pattern, candidates, tuple(notes), find_openings(target, shape, finishes, slits, lap))
 
 
 def describe_absent(cut: Cut, parts: Mapping[str, str]) -> tuple[str, ...]:
@@ -246,6 +253,8 @@ def _with_necklines(
     if fits is None or not cut.has_place_for("neckline") or _hides_neckline(cut):
         yield cut, None
         return
+    if cut.front is Front.WRAP:
+        fits = draw_wrapped_necklines(fits)
     fronts, backs = (
         _allowed_fits(ranked, part in fixed, getattr(cut, part))
         for part, ranked in (("neckline", fits.front), ("back_neckline", fits.back))
@@ -270,8 +279,10 @@ def _allowed_fits(ranked: tuple[NecklineFit, ...], fixed: bool, neckline: Neckli
 
 
 def _with_throat(cut: Cut, fit: NecklineFit | None, part: str) -> Cut:
-    """Return a cut whose front or back has the neckline of a fit, in proportion to the cut's own width."""
-    if fit is None or _is_same_line(fit.neckline.kind, getattr(cut, part)):
+    """Return a cut whose front or back has the neckline of a fit, in proportion to the cut's own width; of the same
+    line grading finds the depth, but not of a wrap's."""
+    is_graded = part != "neckline" or cut.front is not Front.WRAP
+    if fit is None or (is_graded and _is_same_line(fit.neckline.kind, getattr(cut, part))):
         return cut
     kind = fit.neckline.kind
     changed = cut.choose({part: str(kind)})

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...body.body import Body
 from ...garment.measures import BodyMeasures
-from ...garment.parts.cut import PARTS, Bodice, Cut, Legs, Shaping, Skirt
+from ...garment.parts.cut import PARTS, Bodice, Cut, Front, Legs, Shaping, Skirt
 from ...garment.parts.draft import draft_cut
 from ...garment.parts.part_words import differing_parts
 from ...garment.pattern import Pattern
@@ -202,9 +202,10 @@ def _open_parts(cut: Cut) -> Mapping[str, list[str]]:
 def fit_cut(
     template: str, cut: Cut, seen: GirthProfile, measures: BodyMeasures, settings: GirthSettings
 ) -> CutFit | None:
-    """Return the fit of the girths of a cut drafted to measures; None where it cannot be sewn or meshed."""
+    """Return the fit of the girths of a cut drafted to measures; None where it cannot be sewn or meshed. The fronts of
+    a wrap lie on each other, and its girths are those of one front."""
     try:
-        pattern = draft_cut(cut, measures)
+        pattern = draft_cut(replace(cut, front=Front.NONE) if cut.front is Front.WRAP else cut, measures)
     except BadInput:
         return None
     drawn = profile_flat(pattern, settings)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...garment.parts.cut import Collar, Cut, Front, Hood, HoodWorn, Neckline, PartsConflict
+from ...garment.parts.cut import Collar, Cut, Front, Hood, HoodWorn, Neckline, PartsConflict, Shaping
 from ...garment.parts.draft import draft_cut
 from .neck_shape import NeckShape
 
@@ -205,8 +205,10 @@ class NeckFinish:
     probability: float = 1.0
 
     def apply(self, cut: Cut) -> Cut:
-        """Return a cut with them; collars and hoods are sewn to a crew neck."""
+        """Return a cut with them; collars and hoods are sewn to a crew neck, and the edges of a wrap make a V."""
         cut = replace(cut, collar=self.collar, front=self.front, hood=self.hood, hood_worn=self.hood_worn)
+        if self.front is Front.WRAP:
+            return replace(cut, neckline=Neckline.V, neck_depth=None, shaping=Shaping.NONE)
         if self.collar is Collar.NONE and self.hood is Hood.NONE:
             return cut
         return replace(cut, neckline=Neckline.CREW, back_neckline=Neckline.CREW)

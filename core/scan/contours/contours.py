@@ -10,6 +10,7 @@ import numpy as np
 from ...body.body import Body
 from ...body.girths import MIN_LIMB_GIRTH
 from .encirclement import Crossing, find_crossings
+from .laps import divide_lap
 from .legs import split_legs
 from .loop import find_loops, smoothed_length
 from .open_front import FrontBorder, divide_front
@@ -68,7 +69,9 @@ def name_contours(
     | bones of one leg | towards the pelvis | leg.SIDE |
 
     The border of an open front is neckline, front edges and hem in one loop (`divide_front`): its neckline and hem are
-    named by what they encircle when their ends are joined, its edges front.left and front.right.
+    named by what they encircle when their ends are joined, its edges front.left and front.right. The border of a
+    wrapped front that is scanned crosses itself (`divide_lap`): what is seen of it is the neck, closed by that step,
+    what the outer front covers is `wrap`.
 
     A hole that broke through a contour is bridged at its mouth. Holes are loops that encircle no bone, the shorter of
     two of one name, and names that no category has beside the others (a hem beside two legs, a waist beside a neck).
@@ -96,6 +99,8 @@ def name_contours(
         length = smoothed_length(vertices[loop])
         crossings = find_crossings(vertices[loop], body) if length >= MIN_LIMB_GIRTH else ()
         candidates.append(_Candidate(loop, length, crossings, name_crossings(crossings, body)))
+    if scanned:
+        candidates = [part for candidate in candidates for part in _divide_lap(candidate, vertices, body)]
     if unseen is not None:
         candidates = [part for candidate in candidates for part in _bridge_bays(candidate, vertices, faces, unseen)]
     if scanned:
@@ -150,6 +155,26 @@ def _name_front(parts: FrontBorder, loop: np.ndarray, vertices: np.ndarray, body
     for name, part in (("front.left", parts.left), ("front.right", parts.right)):
         found.append(_Candidate(loop[part], arc_length(vertices[loop[part]]), (), name, is_closed=False))
     return found
+
+
+def _divide_lap(candidate: _Candidate, vertices: np.ndarray, body: Body) -> list[_Candidate]:
+    """Return the neck and the covered part of the border of a wrapped front, or else the candidate."""
+    if candidate.name != "neck" or not candidate.is_closed:
+        return [candidate]
+    loop = candidate.vertices
+    parts = divide_lap(vertices[loop], body)
+    if parts is None:
+        return [candidate]
+    seen, covered = loop[parts.seen], loop[parts.covered]
+    length = smoothed_length(vertices[seen])
+    crossings = find_crossings(vertices[seen], body) if length >= MIN_LIMB_GIRTH else ()
+    if name_crossings(crossings, body) != "neck":
+        return [candidate]
+    step = float(np.linalg.norm(vertices[seen[-1]] - vertices[seen[0]]))
+    return [
+        _Candidate(seen, length, crossings, "neck", step / length),
+        _Candidate(covered, arc_length(vertices[covered]), (), "wrap", is_closed=False),
+    ]
 
 
 def arc_length(points: np.ndarray) -> float:

@@ -22,6 +22,11 @@ MIN_CUFF_SLIT_RATIO = 4.0
 """Least ratio of the length along the arm of a slit in a cuff to its width: its edges lap, or hang 2 cm apart along 10
 cm; damage there is rounder."""
 
+MIN_CUFF_SLIT_LENGTH = 0.05
+"""Least length of the slit above a buttoned cuff [m]: half of what is cut, which ends below the cuff's fold."""
+MAX_SLEEVE_RADIUS = 0.12
+"""Largest distance of the middle of such a slit from the forearm's axis [m]: a wide sleeve hangs that far below it."""
+
 
 class SlitName(StrEnum):
     """Describe a slit by its place."""
@@ -48,7 +53,8 @@ class Slit:
 
 
 def find_slits(target: Target, body: Body) -> tuple[Slit, ...]:
-    """Find the slits in the closed contours of a scan that it shows, in their order."""
+    """Find the slits in the closed contours of a scan that it shows, in their order, then those above cuffs that are
+    buttoned, whose borders go around nothing: holes that are long and narrow along a forearm."""
     found = []
     for contour in target.contours:
         if not (contour.is_closed and contour.trusted) or not len(target.faces):
@@ -59,7 +65,24 @@ def find_slits(target: Target, body: Body) -> tuple[Slit, ...]:
             name = name_slit(contour.name, points[gap], body)
             if name is not None:
                 found.append(Slit(name, _measure_extent(contour.name, points[gap], body)))
+    for hole in target.holes:
+        points = target.vertices[hole]
+        contour = _find_forearm(points.mean(axis=0), body)
+        name = None if contour is None else name_slit(contour, points, body)
+        if contour is not None and name is not None:
+            extent = _measure_extent(contour, points, body)
+            found += [Slit(name, extent)] if extent > MIN_CUFF_SLIT_LENGTH else []
     return tuple(found)
+
+
+def _find_forearm(place: np.ndarray, body: Body) -> str | None:
+    """Return the cuff of the forearm that a place [m], shape [3], is beside; None where it is beside none."""
+    for side in ("left", "right"):
+        elbow, arm = body.joint(f"{side}_elbow"), body.joint(f"{side}_wrist") - body.joint(f"{side}_elbow")
+        share = float((place - elbow) @ arm / (arm @ arm))
+        if 0.0 < share < 1.0 and float(np.linalg.norm(place - elbow - share * arm)) < MAX_SLEEVE_RADIUS:
+            return f"cuff.{side}"
+    return None
 
 
 def name_slit(contour: str, bay: np.ndarray, body: Body) -> SlitName | None:

@@ -19,8 +19,8 @@ CONTOUR_NAMES = (
 )  # fmt: skip
 """All names of open contours. Left and right are the wearer's: left is +x on a body that faces +z. The front edges of
 a garment that is open in front join neckline and hem: together they are one border of the surface, in four parts. Only
-a pattern names the slit of a sleeve above its buttoned cuff, and what a wrap's outer front covers of the inner one's
-border."""
+a pattern names the slit of a sleeve above its buttoned cuff. `wrap` is what a wrap's outer front covers of the border:
+of its neckline, an open line."""
 
 OPEN_FRONT_CONTOURS = ("neck", "front.left", "hem", "front.right")
 """Contours that are parts of one border where a garment is open in front, in its order."""
