@@ -82,17 +82,28 @@ def test_a_lap_is_found_at_the_point_of_a_vee(step: float) -> None:
 
 
 def test_a_covered_border_leaves_no_doubt() -> None:
-    """Breaks where the border of a garment that was scanned by itself counts less than a step of its surface."""
+    """Breaks where the border of a garment that was scanned by itself counts less than a step of its surface, or a left
+    front over a right one, which is not drafted, is drafted the other way."""
     target = draw_front(0.0)
-    line = Contour("wrap", np.arange(20), 0.1, is_closed=False)
-    lap = find_lap(replace(target, contours=(*target.contours, line)), BODY)
-    assert lap is not None and lap.log_odds > 10.0
+    down = np.linspace(0.0, 0.12, 15)[:, None]
+    outer = [0.0, POINT[1], 0.102] + down * [0.5, -1.0, 0.0]
+    inner = [0.0, POINT[1], 0.08] + down * [-0.5, -1.0, 0.0]
+    for ends, is_found in (((inner, outer), True), ((outer, inner), False)):
+        border = np.concatenate([ends[0], ends[1][::-1]])
+        vertices = np.concatenate([target.vertices, BODY.joint("neck") + border @ front_frame(BODY).T])
+        line = Contour("wrap", len(target.vertices) + np.arange(len(border)), 0.1, is_closed=False)
+        both = replace(target, vertices=vertices, contours=(*target.contours, line))
+        lap = find_lap(both, BODY)
+        assert (lap is not None and lap.log_odds == np.inf) is is_found
+    (wrap,) = add_wrap([SHIRT], Lap(0.3, np.inf), NecklineFits((SQUARE,), (CREW,)), CUTS["tshirt"], {})
+    assert (wrap.collar, wrap.front, wrap.misfit, wrap.probability) == (Collar.NONE, Front.WRAP, 0.0, 1.0)
 
 
 PLAIN, SHIRT = NeckFinish(Collar.NONE, Front.NONE, probability=0.9), NeckFinish(Collar.SHIRT, Front.BUTTONS, misfit=1.5)
 VEE = NecklineFit(NecklineCut(Neckline.V, 0.12), 0.08, 0.02)
 ROUND = NecklineFit(NecklineCut(Neckline.SCOOP, 0.12), 0.08, 0.05)
 CREW = NecklineFit(NecklineCut(Neckline.CREW, 0.08), 0.08, 0.05)
+SQUARE = NecklineFit(NecklineCut(Neckline.SQUARE, 0.12), 0.08, 0.05)
 SEEN = NecklineFits((VEE, ROUND), (CREW,))
 
 
@@ -115,11 +126,11 @@ def test_a_wrap_has_to_outweigh_that_it_is_rare() -> None:
         (SEEN, {"front": "none"}),
         (SEEN, {"neckline": "crew"}),
         (SEEN, {"shaping": "darts"}),
-        (NecklineFits((CREW,), (CREW,)), {}),
+        (NecklineFits((SQUARE,), (CREW,)), {}),
     ],
 )
 def test_what_is_fixed_or_seen_otherwise_is_no_wrap(fits: NecklineFits, fixed: dict[str, str]) -> None:
-    """Breaks where the user's choice is overruled, or a round neck is wrapped."""
+    """Breaks where the user's choice is overruled, or a square neck is wrapped."""
     assert add_wrap([PLAIN], Lap(0.3, 9.0), fits, CUTS["tshirt"], fixed) == (PLAIN,)
     assert add_wrap([PLAIN], None, SEEN, CUTS["tshirt"], {}) == (PLAIN,)
     assert add_wrap([SHIRT], Lap(0.3, 9.0), SEEN, CUTS["tshirt"], {}) == (SHIRT,)

@@ -73,15 +73,12 @@ class Lap:
 
     Attributes:
         extent: Length of the outer front's edge beyond the point of the V [m].
-        log_odds: Logarithm of the ratio of the likelihoods of what is seen with a lap and without.
+        log_odds: Logarithm of the ratio of the likelihoods of what is seen with a lap and without; infinite where both
+            edges are borders of the scan, as nothing else has them.
     """
 
     extent: float
     log_odds: float
-
-
-SEEN_LOG_ODDS = 20.0
-"""Logarithm of the ratio of likelihoods where both edges of a lap are borders of the scan [1]: no doubt is left."""
 
 
 def find_lap(
@@ -103,11 +100,13 @@ def find_lap(
     neck, covered = target.contour("neck"), target.contour("wrap")
     if neck is None or not neck.trusted or target.contour("front.left") is not None:
         return None
+    heights = FrontHeights.of(target, body)
     if covered is not None:
         line = target.vertices[covered.vertices]
+        if heights is None or not _is_right_over((line - body.joint("neck")) @ front_frame(body), heights):
+            return None
         farthest = int((line @ body.sideways("shoulder")).argmax())
-        return Lap(arc_length(line[farthest:]) if len(line) - farthest > 2 else 0.0, SEEN_LOG_ODDS)
-    heights = FrontHeights.of(target, body)
+        return Lap(arc_length(line[farthest:]) if len(line) - farthest > 2 else 0.0, np.inf)
     loop = (target.vertices[neck.vertices] - body.joint("neck")) @ front_frame(body)
     vee = _find_vee(loop)
     if heights is None or vee is None:
@@ -118,6 +117,22 @@ def find_lap(
         scores.append(score)
     rare = 0.5 * RARE_COST**2 if sides is ShownSides.BOTH else 0.0
     return Lap(extent, settings.log_odds(float(np.mean(scores))) - rare)
+
+
+def _is_right_over(line: np.ndarray, heights: FrontHeights) -> bool:
+    """Check whether the right front lies over the left one: its edge, the end of the covered border, has less before it
+    than the left one's, the beginning.
+
+    Args:
+        line: The covered border to the left, above and ahead of the neck joint [m], shape [n, 3].
+        heights: Of the front.
+    """
+    covered = []
+    for edge in (line, line[::-1]):
+        travel = np.linalg.norm(np.diff(edge, axis=0, prepend=edge[:1]), axis=1).cumsum()
+        near = edge[travel < min(LapSettings.lengths)]
+        covered.append(float(np.median(heights.sample(near[:, 0], near[:, 1])[0] - near[:, 2])))
+    return covered[1] < covered[0]
 
 
 VEE_HALF_WIDTH = 0.12

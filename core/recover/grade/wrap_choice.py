@@ -15,7 +15,7 @@ from .neck_finish import RARE_COST, NeckFinish
 PLAIN_FRONTS = (Front.NONE, Front.PLACKET)
 """Fronts that a wrap is told from: the point of its V may look like the slit of a placket."""
 
-WRAPPED_NECKLINES = (Neckline.V, Neckline.SCOOP)
+WRAPPED_NECKLINES = (Neckline.V, Neckline.SCOOP, Neckline.CREW)
 """What the neckline of a wrap looks like on a scan: a V, whose point a coarse surface rounds."""
 
 
@@ -26,7 +26,8 @@ def add_wrap(
 
     A wrap is the same at the neck as the likeliest finish without collar and hood. Beside that, it has the likelihood
     of its lap, and is rare: its squared misfit is that of the plain one, plus `RARE_COST`^2, less twice the logarithm
-    of the ratio of likelihoods. Both share the probability of a plain neck.
+    of the ratio of likelihoods. Both share the probability of a plain neck. A lap without doubt leaves
+    nothing else.
 
     Args:
         finishes: Of `rank_finishes`.
@@ -35,12 +36,19 @@ def add_wrap(
         cut: That it is drafted on.
         fixed: Choices of the user, by part.
     """
-    plain = next((one for one in finishes if _is_plain(one)), None)
-    if plain is None or lap is None or not _may_wrap(fits, fixed):
+    if lap is None or not _may_wrap(fixed):
+        return tuple(finishes)
+    is_certain = bool(np.isposinf(lap.log_odds))
+    plain = next(
+        (one for one in finishes if _is_plain(one)), NeckFinish(Collar.NONE, Front.NONE) if is_certain else None
+    )
+    if plain is None or not (is_certain or fits is None or fits.front[0].neckline.kind in WRAPPED_NECKLINES):
         return tuple(finishes)
     wrap = replace(plain, front=Front.WRAP)
     if not wrap.drafts_on(cut):
         return tuple(finishes)
+    if is_certain:
+        return (replace(wrap, misfit=0.0, probability=1.0),)
     odds = lap.log_odds - 0.5 * RARE_COST**2
     share = float(1.0 / (1.0 + np.exp(-odds)))
     squares = [(one, one.misfit**2) for one in finishes]
@@ -72,11 +80,9 @@ def _is_plain(finish: NeckFinish) -> bool:
     return finish.collar is Collar.NONE and finish.hood is Hood.NONE and finish.front in PLAIN_FRONTS
 
 
-def _may_wrap(fits: NecklineFits | None, fixed: Mapping[str, str]) -> bool:
-    """Check whether the user's choices and the seen neckline leave a wrap."""
+def _may_wrap(fixed: Mapping[str, str]) -> bool:
+    """Check whether the user's choices leave a wrap."""
     usual = {"neckline": "v", "collar": "none", "hood": "none", "shaping": "none"}
     if "front" in fixed or any(fixed.get(part, word) != word for part, word in usual.items()):
         return False
-    if fixed.get("sleeve_head") == "raglan":
-        return False
-    return fits is None or fits.front[0].neckline.kind in WRAPPED_NECKLINES
+    return fixed.get("sleeve_head") != "raglan"

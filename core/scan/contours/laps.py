@@ -12,8 +12,9 @@ MIN_LAP_REACH = 0.1
 """Least distance to either side [m] that both edges of a wrapped front go on beyond the point where they cross: a
 double-breasted front laps by 8 to 10 cm in all, 5 on each side of the middle; a wrap's edges reach both side seams."""
 
-MAX_LAP_GAP = 0.03
-"""Largest distance of both edges where they cross, seen from in front [m]: one front lies on the other."""
+MAX_LAP_GAP = 0.06
+"""Largest distance of both edges where they cross, seen from in front [m]: one front lies on the other, or hangs from
+the bust up to so far before it."""
 
 MAX_LAP_POINT_COUNT = 600
 """Largest number of points of a border of which all pairs of segments are compared; of a longer one every second,
@@ -26,12 +27,10 @@ class LapBorder(NamedTuple):
     Attributes:
         seen: The neckline that is seen: the back neck and both front edges, to where they cross; closed by that step.
         covered: The rest, from the left front's edge, below the outer front, to the right front's.
-        is_right_over: Whether the right front lies over the left one.
     """
 
     seen: np.ndarray
     covered: np.ndarray
-    is_right_over: bool
 
 
 def divide_lap(points: np.ndarray, body: Body) -> LapBorder | None:
@@ -39,7 +38,7 @@ def divide_lap(points: np.ndarray, body: Body) -> LapBorder | None:
 
     Both edges of a wrapped front go down from the side neck points, cross in the point of the V and go on to the other
     side of the wearer: the border of a plain front does not cross itself. From the loop's highest point on, the first
-    crossing counts.
+    crossing counts beyond which both edges go on.
 
     Args:
         points: The loop, garment on the left [m], shape [n, 3].
@@ -56,24 +55,22 @@ def divide_lap(points: np.ndarray, body: Body) -> LapBorder | None:
     crossing = _find_crossing(line)
     if crossing is None:
         return None
-    first, last, is_right_over = crossing
-    beyond = line[first : last + 2, 0] - line[first, 0]
-    if beyond.min() > -MIN_LAP_REACH or beyond.max() < MIN_LAP_REACH:
-        return None
+    first, last = crossing
     start, end = int(order[first]), int(order[(last + 1) % len(order)])
     covered = (start + np.arange((end - start) % count + 1)) % count
     seen = (end + np.arange((start - end) % count + 1)) % count
-    return LapBorder(seen, covered, is_right_over)
+    return LapBorder(seen, covered)
 
 
-def _find_crossing(line: np.ndarray) -> tuple[int, int, bool] | None:
-    """Find the first two segments of a closed line that cross each other, seen from in front.
+def _find_crossing(line: np.ndarray) -> tuple[int, int] | None:
+    """Find the first two segments of a closed line that cross each other, seen from in front, and between which it
+    reaches far to both sides.
 
     Args:
         line: To the wearer's left, up and ahead of the neck joint [m], shape [n, 3].
 
     Returns:
-        The segments' first points in order, and whether the second lies in front of the first; None without any.
+        The segments' first points in order; None without any.
     """
     count = len(line)
     step = np.roll(line, -1, axis=0) - line
@@ -85,12 +82,12 @@ def _find_crossing(line: np.ndarray) -> tuple[int, int, bool] | None:
     with np.errstate(divide="ignore", invalid="ignore"):
         along, across = (_cross(between, step[k]) / area for k in (j, i))
         found = (along >= 0.0) & (along < 1.0) & (across >= 0.0) & (across < 1.0) & (i + count - 1 - j > 1)
-    if not found.any():
-        return None
-    i, j, along, across = i[found], j[found], along[found], across[found]
-    one = int((i + count - 1 - j).argmin())
-    ahead = [line[k[one], 2] + share[one] * step[k[one], 2] for k, share in ((i, along), (j, across))]
-    return int(i[one]), int(j[one]), bool(ahead[1] > ahead[0])
+    crossings = np.flatnonzero(found)
+    for one in crossings[np.argsort((i + count - 1 - j)[crossings], kind="stable")]:
+        beyond = line[i[one] : j[one] + 2, 0] - line[i[one], 0]
+        if beyond.min() < -MIN_LAP_REACH and beyond.max() > MIN_LAP_REACH:
+            return int(i[one]), int(j[one])
+    return None
 
 
 def _cross(one: np.ndarray, other: np.ndarray) -> np.ndarray:
