@@ -15,7 +15,7 @@ class FindingKind(StrEnum):
     CUT = "cut"
     """A cut of the library that was compared with the scan."""
     OPENING = "opening"
-    """An opening of the garment beside its contours: a front, a placket, a vent."""
+    """An opening of the garment beside its contours: a front, a placket, a wrap, a vent."""
     PANEL_CHANGE = "panel_change"
     """A dart that was added or closed."""
     CORNER = "corner"
