@@ -67,10 +67,10 @@ def find_slits(target: Target, body: Body) -> tuple[Slit, ...]:
                 found.append(Slit(name, _measure_extent(contour.name, points[gap], body)))
     for hole in target.holes:
         points = target.vertices[hole]
-        contour = _find_forearm(points.mean(axis=0), body)
-        name = None if contour is None else name_slit(contour, points, body)
-        if contour is not None and name is not None:
-            extent = _measure_extent(contour, points, body)
+        cuff = _find_forearm(points.mean(axis=0), body)
+        name = None if cuff is None else name_slit(cuff, points, body)
+        if cuff is not None and name is not None:
+            extent = _measure_extent(cuff, points, body)
             found += [Slit(name, extent)] if extent > MIN_CUFF_SLIT_LENGTH else []
     return tuple(found)
 
