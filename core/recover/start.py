@@ -8,6 +8,8 @@ from ..body.body import Body
 from ..cloth.fabrics import get_fabric
 from ..garment.creases import turned_area
 from ..garment.parts.cut import PartsConflict
+from ..garment.parts.wraps import WRAP_LABEL
+from ..garment.pattern import Pattern
 from ..garment.templates import draft_template, find_cut, load_template, name_cut
 from ..run.clock import Clock
 from ..scan.contours.body_mismatch import check_own_body
@@ -59,10 +61,19 @@ def choose_base(case: Case) -> RecoveryState:
     choice = find_template(case.request, case.scan_target, case.body)
     base = replace(choice.pattern, symmetric=settings.free != "symmetry")
     find_locked_coordinates(base, base, settings.locks)
-    target = free_covered_neck(case.scan_target, case.body, turned_area(base))
+    target = free_wrapped_neck(free_covered_neck(case.scan_target, case.body, turned_area(base)), base)
     state = RecoveryState(choice.template, base, target, case.wearer, get_fabric(settings.fabric))
     found = (*(one.describe() for one in choice.candidates), *(one.describe() for one in choice.openings))
     return state.with_findings(*found).with_notes(*choice.notes)
+
+
+def free_wrapped_neck(target: Target, pattern: Pattern) -> Target:
+    """Return a target whose neck is not trusted where its pattern is wrapped: the pattern's front edges go on below the
+    point of the V, where those of the seen neckline end."""
+    if all(panel.label != WRAP_LABEL for panel in pattern.panels):
+        return target
+    contours = (replace(one, trusted=one.trusted and one.name != "neck") for one in target.contours)
+    return replace(target, contours=tuple(contours))
 
 
 def find_template(request: Request, target: Target, body: Body) -> Choice:

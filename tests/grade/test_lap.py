@@ -11,11 +11,13 @@ from garmentq.core.garment.neckline_fit import NecklineFit, NecklineFits
 from garmentq.core.garment.parts.cut import Collar, Cut, Front, Neckline
 from garmentq.core.garment.parts.necklines import NecklineCut
 from garmentq.core.garment.parts.shipped_cuts import CUTS
+from garmentq.core.garment.templates import load_template
 from garmentq.core.geometry.geometry import vertex_normals
 from garmentq.core.recover.grade.front_heights import CELL_SIZE, FrontHeights, front_frame
 from garmentq.core.recover.grade.lap import Lap, LapSettings, find_lap
 from garmentq.core.recover.grade.neck_finish import RARE_COST, NeckFinish, ShownSides
 from garmentq.core.recover.grade.wrap_choice import add_wrap, draw_wrapped_necklines, unwrap
+from garmentq.core.recover.start import free_wrapped_neck
 from garmentq.core.scan.contours.loop import find_loops
 from garmentq.core.scan.contours.target import Contour, Target
 
@@ -144,3 +146,11 @@ def test_a_wrap_is_cut_with_a_vee_of_the_depth_that_is_seen() -> None:
     cut: Cut = wrap.apply(CUTS["tshirt"])
     assert (cut.front, cut.neckline) == (Front.WRAP, Neckline.V)
     assert unwrap([wrap, SHIRT]) == (PLAIN, SHIRT)
+
+
+def test_the_neckline_of_a_wrap_is_neither_fitted_nor_measured() -> None:
+    """Breaks where the seen neckline is compared with front edges that go on below it, or a plain one is freed."""
+    target = draw_front(0.0)
+    for name, is_trusted in (("tank+front=wrap,neckline=v", False), ("tank+neckline=v", True)):
+        (neck,) = free_wrapped_neck(target, load_template(name)).contours
+        assert neck.trusted is is_trusted
