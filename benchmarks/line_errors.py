@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 from garmentq.core.garment.contour_edges import name_open_edges
 from garmentq.core.garment.pieces.pattern_lines import PatternLine, list_lines
-from garmentq.core.judge.line_intervals import INTERVAL_COVERAGE, Evidence, find_margins, group_errors
+from garmentq.core.judge.line_intervals import INTERVAL_COVERAGE, Evidence, find_margins, group_errors, has_sure_lines
 from garmentq.core.judge.seen import find_seen_faces
 from garmentq.core.recover.line_evidence import find_line_evidence
 from scipy.spatial import cKDTree
@@ -50,10 +50,13 @@ class KnownLine:
 
 
 def read_lines(folder: Path) -> Iterator[KnownLine]:
-    """Yield the lines of a garment that both its pattern and the recovered one have; left and right count once."""
+    """Yield the lines of a garment that both its pattern and the recovered one have; left and right count once. A
+    result that fails has none."""
     with (folder / "recovered.pkl").open("rb") as file:
         stored = pickle.load(file)
     known, found = stored["known"], stored["found"]
+    if not has_sure_lines(found.report.gates):
+        return
     pattern = name_open_edges(known)
     true = {(line.name, line.side): line for line in list_lines(pattern)}
     seen = find_seen_faces(found.garment, found.scan.surface)

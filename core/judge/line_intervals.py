@@ -15,6 +15,8 @@ import numpy as np
 from ..garment.pattern import Pattern
 from ..garment.pieces.pattern_lines import PatternLine
 from ..run.units import MM_PER_M
+from ..run.verdict import Gate, Verdict
+from .gates import Product, product_of
 
 INTERVAL_COVERAGE = 0.9
 """Share of lines whose true place, and whose true length, lies within the interval [1]."""
@@ -143,22 +145,31 @@ def group_errors(
     return {kind: KnownErrors(places[own], lengths[own]) for kind, own in rows.items()}
 
 
+def has_sure_lines(gates: Sequence[Gate]) -> bool:
+    """Check whether intervals hold for a result: where its detail mesh or its pattern fails, they do not."""
+    return not any(gate.verdict == Verdict.FAIL and product_of(gate.name) is not Product.DRAPE for gate in gates)
+
+
 def find_margins(
     name: str, evidence: Evidence, known: Mapping[tuple[str, Evidence], KnownErrors]
 ) -> tuple[float | None, float | None]:
     """Return the margins of the place [m] and of a length's logarithm [1] of a line; None where nothing shows it.
 
-    That of a kind with fewer than `MIN_LINE_COUNT` known lines is the one of all kinds with its evidence.
+    Those of a kind with fewer than `MIN_LINE_COUNT` known lines are those of all kinds with its evidence, or its own
+    largest errors where these are larger.
 
     Args:
         name: Of the line.
         evidence: What decides where it is.
         known: Errors by kind and evidence.
     """
-    errors = known.get((name, evidence))
-    if errors is None or len(errors.places) < MIN_LINE_COUNT:
-        errors = known.get(("", evidence))
-    return (None, None) if evidence is Evidence.HIDDEN or errors is None else errors.margins
+    own, every = known.get((name, evidence)), known.get(("", evidence))
+    if evidence is Evidence.HIDDEN or every is None:
+        return None, None
+    if own is not None and len(own.places) >= MIN_LINE_COUNT:
+        return own.margins
+    place, length = every.margins
+    return (place, length) if own is None else (max(place, own.places.max()), max(length, own.lengths.max()))
 
 
 def measure_intervals(pattern: Pattern, lines: Sequence[tuple[PatternLine, Evidence]]) -> tuple[LineInterval, ...]:

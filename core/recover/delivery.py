@@ -18,7 +18,7 @@ from ..judge.estimates import summarise_estimates
 from ..judge.fairness import measure_fairness
 from ..judge.fit import Reference, measure_fit, measure_mesh
 from ..judge.gates import evaluate_gates
-from ..judge.line_intervals import measure_intervals
+from ..judge.line_intervals import LineInterval, has_sure_lines, measure_intervals
 from ..judge.patterns import measure_seams
 from ..judge.plausibility import measure_plausibility
 from ..judge.seen import find_seen_faces, measure_inferred_area
@@ -77,7 +77,10 @@ def deliver(case: Case, state: RecoveryState, clock: Clock, known: Metrics | Non
             cut = name_recovered(garment.pattern, cut, state.body, settings.chosen_parts)
     messages = [one.message for kind in SHOWN_FINDING_KINDS for one in state.findings if one.kind is kind]
     seen = find_seen_faces(garment, case.scan.surface)
-    lines = measure_intervals(garment.pattern, find_line_evidence(garment, case.scan_target, state.body, seen))
+    gates = evaluate_gates(metrics)
+    lines: tuple[LineInterval, ...] = ()
+    if has_sure_lines(gates):
+        lines = measure_intervals(garment.pattern, find_line_evidence(garment, case.scan_target, state.body, seen))
     hanging = made(state.meshes).drape_on_scan
     messages += find_length_differences(garment, hanging, case.scan_target, lines)
     warnings = (*omissions, *case.scan.repairs, *messages, *describe_cut_change(cut, state.template))
@@ -94,7 +97,7 @@ def deliver(case: Case, state: RecoveryState, clock: Clock, known: Metrics | Non
         fabric=state.fabric,
         garment=garment,
         meshes=made(state.meshes),
-        report=ResultReport.of(clock, metrics, evaluate_gates(metrics), warnings, manifest),
+        report=ResultReport.of(clock, metrics, gates, warnings, manifest),
         estimates=state.estimates,
         nearest_fabrics=state.nearest,
         point_std=state.point_std,

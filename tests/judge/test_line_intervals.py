@@ -64,6 +64,8 @@ def test_a_kind_that_is_hardly_known_has_the_interval_of_all() -> None:
     known = group_errors(kinds, places, places)
     assert find_margins("hem", Evidence.EDGE, known)[0] == 0.001
     assert find_margins("neckline", Evidence.EDGE, known)[0] == 0.009 == find_margins("cuff", Evidence.EDGE, known)[0]
+    far = group_errors([*kinds, ("cuff", Evidence.EDGE)], np.append(places, 0.05), np.append(places, 0.05))
+    assert find_margins("cuff", Evidence.EDGE, far) == (0.05, 0.05), "one cuff was 5 cm off"
     assert find_margins("hem", Evidence.HIDDEN, known) == (None, None)
     assert find_margins("hem", Evidence.COLOUR, known) == (None, None)
 

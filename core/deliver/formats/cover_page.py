@@ -28,7 +28,7 @@ COVER_TEXT_SIZE_MM = 3.2
 """Size of the text [mm]."""
 
 
-COVER_HEADINGS = ("Pieces", "Sewing order", "Bill of material", "Not in this pattern", "Trueing")
+COVER_HEADINGS = ("Pieces", "Sewing order", "Bill of material", "Not in this pattern", "Trueing", "How sure")
 """Lines that are bold."""
 
 
@@ -172,13 +172,16 @@ def _list_pieces(pieces: PieceSet, shown: dict[int, list[str]]) -> list[str]:
 
 
 def list_notes(pieces: PieceSet) -> list[str]:
-    """Return a line for the allowances of a garment, one for each missing item and one for each line that was trued."""
+    """Return a line for the allowances of a garment, one for each missing item, for each line that was trued, and for
+    each whose place and length are known within margins."""
     widths = {edge.use: edge.width for piece in pieces.cut_pieces for edge in piece.edges if edge.width}
     included = ", ".join(f"{use} {1e3 * widths[use]:g}" for use in sorted(widths))
     head = f"Allowance included [mm]: {included}" if any(widths.values()) else "No seam allowance included"
     trued = [f"- {line}" for line in describe_trueing(pieces.trued)]
     missing = [f"- {line}" for line in pieces.missing]
-    return [head, "", "Not in this pattern", *missing, *(["", "Trueing", *trued] if trued else [])]
+    sure = [f"- {keep_latin(line, 200)}" for line in pieces.margins]
+    further = (("Not in this pattern", missing), ("Trueing", trued), ("How sure", sure))
+    return [head, *(line for name, lines in further if lines or lines is missing for line in ("", name, *lines))]
 
 
 def list_steps(pieces: PieceSet) -> list[str]:

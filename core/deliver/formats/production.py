@@ -18,6 +18,7 @@ from ...garment.measures import BodyMeasures
 from ...garment.pattern import Pattern
 from ...garment.pieces.make import Style, make_pieces
 from ...garment.pieces.piece import PieceSet
+from ...judge.line_intervals import describe_margins
 from ...recover.drape.sizing import measure_wearer
 from ...reuse.wear.worn import WornGarment
 from ...run.hooks import SILENT_HOOKS, Hooks
@@ -84,6 +85,7 @@ class Production:
             is_stretchy(fabric),
             tuple((label, value) for label, value in known if value),
             find_levels(self.worn.pattern, self.measures, find_hang_height(self.worn.waist, self.worn.body)),
+            read_margins(self.files),
         )
 
     @cached_property
@@ -126,6 +128,15 @@ def find_scan_name(result: Path) -> str:
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return ""
     return Path(str(name)).stem
+
+
+def read_margins(result: Path) -> tuple[str, ...]:
+    """Read how sure a result's seams and edges are from its manifest, a text each; none where it does not say."""
+    try:
+        lines = json.loads((result / MANIFEST_FILE_NAME).read_text(encoding="utf-8"))["lines"]
+        return tuple(", ".join(filter(None, describe_margins(line))) for line in lines)
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        return ()
 
 
 def read_point_std(path: Path, pattern: Pattern) -> np.ndarray | None:

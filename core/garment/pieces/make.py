@@ -47,8 +47,8 @@ PIECE_ORDER = ("body", "front", "back", "leg", "skirt", "sleeve", "band", "cuff"
 @dataclass(frozen=True)
 class Style:
     """Describe the style that pieces are labelled with: its name, its size by girths and the name of its cloth, or
-    empty texts; whether that cloth stretches as a knit does; further lines of the title, label and value; and the
-    levels of the wearer's body on the panels."""
+    empty texts; whether that cloth stretches as a knit does; further lines of the title, label and value; the
+    levels of the wearer's body on the panels; and how sure the pattern's lines are, a text each."""
 
     name: str = ""
     size: str = ""
@@ -56,6 +56,7 @@ class Style:
     is_stretchy: bool = False
     details: tuple[tuple[str, str], ...] = ()
     levels: tuple[PanelLevel, ...] = ()
+    margins: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -122,6 +123,7 @@ def make_pieces(
         finishes.seams,
         style.details,
         measure_finished(pattern),
+        style.margins,
     )
 
 

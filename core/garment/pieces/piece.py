@@ -258,6 +258,7 @@ class PieceSet:
         finishes: The seams that sew them on; their pieces are numbered as in `cut_pieces`.
         details: Lines of the title, label and value: the scan's name, the date, measures of the finished garment.
         finished_measures: Measures of the finished garment at the points of the trade.
+        margins: How sure the recovered pattern's seams and edges are, a line each.
     """
 
     name: str
@@ -272,6 +273,7 @@ class PieceSet:
     finishes: tuple[SeamWalk, ...] = ()
     details: tuple[tuple[str, str], ...] = ()
     finished_measures: tuple[FinishedMeasure, ...] = ()
+    margins: tuple[str, ...] = ()
 
     @property
     def cut_pieces(self) -> tuple[Piece, ...]:
