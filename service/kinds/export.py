@@ -52,7 +52,7 @@ class Export(Kind):
         clock = Clock(hooks)
         with clock.stage("write", f"writing {request.format}") as stage_hooks:
             scan = None if request.scan is None else work.files / "scan" / request.scan.name
-            worn, made = load_worn(work.inputs[RESULT]), request.made
+            worn, made = load_worn(work.inputs[RESULT]), request.made or ""
             production = Production(worn, request, work.inputs[RESULT], scan, stage_hooks, made)
             write_production(production, work.out)
             pieces = production.pieces

@@ -28,7 +28,7 @@ class ExportRequest(ExportOptions):
     """
 
     scan: FileRef | None = None
-    made: str = ""
+    made: str | None = None
 
 
 def find_scan(session: Session, row: JobRow) -> dict[str, Any] | None:
