@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 from garmentq.core.garment.contour_edges import name_open_edges
 from garmentq.core.garment.pieces.pattern_lines import PatternLine, list_lines
-from garmentq.core.judge.line_intervals import INTERVAL_COVERAGE, Evidence, find_margins, group_errors, has_sure_lines
+from garmentq.core.judge.line_intervals import INTERVAL_COVERAGE, Evidence, find_margins, fit_margins, has_sure_lines
 from garmentq.core.judge.seen import find_seen_faces
 from garmentq.core.recover.line_evidence import find_line_evidence
 from scipy.spatial import cKDTree
@@ -93,11 +93,11 @@ def tabulate(tested: list[KnownLine], known: list[KnownLine]) -> list[str]:
         own = [one for one in tested if evidence is None or (one.line.name, one.evidence) == (name, evidence)]
         inside, margins = [], []
         for one in own:
-            place, length = find_margins(one.line.name, one.evidence, errors)
-            if place is None or length is None:
+            found = find_margins(one.line.name, one.evidence, errors)
+            if found is None:
                 continue
-            inside.append((one.place <= place, abs(one.ratio) <= length))
-            margins.append((1e3 * place, 100.0 * np.expm1(length)))
+            inside.append((one.place <= found.place, abs(one.ratio) <= found.length))
+            margins.append((1e3 * found.place, 100.0 * np.expm1(found.length)))
         if not inside:
             continue
         hits, count = np.array(inside).sum(axis=0), len(inside)
@@ -112,10 +112,10 @@ def tabulate(tested: list[KnownLine], known: list[KnownLine]) -> list[str]:
 
 
 def group(known: list[KnownLine]) -> dict:
-    """Return known lines' errors by kind and evidence."""
+    """Return the margins that known lines give by kind and evidence."""
     kinds = [(one.line.name, one.evidence) for one in known]
     places, lengths = np.array([one.place for one in known]), np.array([abs(one.ratio) for one in known])
-    return group_errors(kinds, places, lengths)
+    return fit_margins(kinds, places, lengths)
 
 
 def main() -> None:

@@ -21,9 +21,12 @@ from .gates import Product, product_of
 INTERVAL_COVERAGE = 0.9
 """Share of lines whose true place, and whose true length, lies within the interval [1]."""
 
-MIN_LINE_COUNT = 12
-"""Number of known lines of one kind from which its own errors give the interval [1]: of eleven, the largest error is
-that which 90 % of further ones stay below (the rank (n + 1) 0.9 of n errors must exist)."""
+POOLED_LINE_COUNT = 4.0
+"""Number of lines of a kind that the median error of all kinds counts as [1]: the median of four scatters by half."""
+
+MIN_ERROR = 1e-4
+"""Least error that is told from none [m, and 1 of a length's logarithm]: a tenth of a millimetre, which paper does not
+keep."""
 
 MAX_SEEN_PLACE = 0.015
 """Half width of a place beyond which a line counts as not visible [m]: the seam allowance of most trades, within which
@@ -99,50 +102,55 @@ def describe_margins(entry: Mapping[str, Any]) -> tuple[str, str, str]:
 
 
 @dataclass(frozen=True)
-class KnownErrors:
-    """Describe errors of recovered lines of one kind, or of all that have one evidence.
+class Margins:
+    """Describe the margins of one kind of line with one evidence: of its place [m], of its length's logarithm [1]."""
 
-    Attributes:
-        places: RMS distances of the true line from the recovered one on the cloth [m], shape [n].
-        lengths: Absolute logarithms of the ratio of its lengths, shape [n].
-    """
-
-    places: np.ndarray
-    lengths: np.ndarray
-
-    @property
-    def margins(self) -> tuple[float, float]:
-        """Return the errors of place [m] and of length [1] that `INTERVAL_COVERAGE` of further lines stay below: of n
-        errors the one of rank (n + 1) `INTERVAL_COVERAGE`, rounded up (conformal prediction, V. Vovk 2005)."""
-        rank = min(int(np.ceil((len(self.places) + 1) * INTERVAL_COVERAGE)), len(self.places)) - 1
-        return float(np.sort(self.places)[rank]), float(np.sort(self.lengths)[rank])
+    place: float
+    length: float
 
 
 @cache
-def load_errors() -> Mapping[tuple[str, Evidence], KnownErrors]:
-    """Return the known errors that ship by kind of line and evidence; those of all kinds by an empty name."""
+def load_margins() -> Mapping[tuple[str, Evidence], Margins]:
+    """Return the margins by kind of line and evidence from the known errors that ship."""
     with np.load(KNOWN_ERRORS) as stored:
-        kinds = [
-            (str(name), Evidence(str(word))) for name, word in zip(stored["name"], stored["evidence"], strict=True)
-        ]
-        return group_errors(kinds, stored["place"].astype(float), stored["length"].astype(float))
+        words = zip(stored["name"], stored["evidence"], strict=True)
+        kinds = [(str(name), Evidence(str(word))) for name, word in words]
+        return fit_margins(kinds, stored["place"].astype(float), stored["length"].astype(float))
 
 
-def group_errors(
+def fit_margins(
     kinds: Sequence[tuple[str, Evidence]], places: np.ndarray, lengths: np.ndarray
-) -> dict[tuple[str, Evidence], KnownErrors]:
-    """Group errors by kind of line and evidence, and by evidence alone.
+) -> dict[tuple[str, Evidence], Margins]:
+    """Fit the margins of each kind of line with each evidence, and by an empty name those of kinds that are not known.
+
+    An error is measured by its kind's median, m_k, which `POOLED_LINE_COUNT` lines draw to that of all kinds. Of the n
+    ratios e / m_k of all kinds with one evidence the one of rank (n + 1) `INTERVAL_COVERAGE`, rounded up, times m_k is
+    the margin (split conformal prediction with normalised scores, V. Vovk et al. 2005, H. Papadopoulos et al. 2002).
 
     Args:
-        kinds: Name and evidence of each line.
+        kinds: Name and evidence of each known line.
         places: Errors of their places [m], shape [n].
         lengths: Absolute logarithms of ratios of their lengths, shape [n].
     """
-    rows: dict[tuple[str, Evidence], list[int]] = {}
-    for n, (name, evidence) in enumerate(kinds):
-        rows.setdefault((name, evidence), []).append(n)
-        rows.setdefault(("", evidence), []).append(n)
-    return {kind: KnownErrors(places[own], lengths[own]) for kind, own in rows.items()}
+    found = {}
+    for evidence in sorted({word for _, word in kinds}):
+        own = [n for n, (_, word) in enumerate(kinds) if word == evidence]
+        names = [kinds[n][0] for n in own]
+        fitted = [_fit_margins(names, np.log(np.maximum(all_[own], MIN_ERROR))) for all_ in (places, lengths)]
+        found |= {(name, evidence): Margins(fitted[0][name], fitted[1][name]) for name in ("", *names)}
+    return found
+
+
+def _fit_margins(names: Sequence[str], errors: np.ndarray) -> dict[str, float]:
+    """Return the margin of each kind, given the logarithms of the errors of lines by name, shape [n]."""
+    common, medians = float(np.median(errors)), {"": float(np.median(errors))}
+    for name in set(names):
+        own = errors[[one == name for one in names]]
+        share = len(own) / (len(own) + POOLED_LINE_COUNT)
+        medians[name] = share * float(np.median(own)) + (1.0 - share) * common
+    scores = np.sort(errors - [medians[name] for name in names])
+    rank = min(int(np.ceil((len(scores) + 1) * INTERVAL_COVERAGE)), len(scores)) - 1
+    return {name: float(np.exp(median + scores[rank])) for name, median in medians.items()}
 
 
 def has_sure_lines(gates: Sequence[Gate]) -> bool:
@@ -150,26 +158,15 @@ def has_sure_lines(gates: Sequence[Gate]) -> bool:
     return not any(gate.verdict == Verdict.FAIL and product_of(gate.name) is not Product.DRAPE for gate in gates)
 
 
-def find_margins(
-    name: str, evidence: Evidence, known: Mapping[tuple[str, Evidence], KnownErrors]
-) -> tuple[float | None, float | None]:
-    """Return the margins of the place [m] and of a length's logarithm [1] of a line; None where nothing shows it.
-
-    Those of a kind with fewer than `MIN_LINE_COUNT` known lines are those of all kinds with its evidence, or its own
-    largest errors where these are larger.
+def find_margins(name: str, evidence: Evidence, known: Mapping[tuple[str, Evidence], Margins]) -> Margins | None:
+    """Return the margins of a line; None where nothing shows it.
 
     Args:
         name: Of the line.
         evidence: What decides where it is.
-        known: Errors by kind and evidence.
+        known: Margins by kind and evidence.
     """
-    own, every = known.get((name, evidence)), known.get(("", evidence))
-    if evidence is Evidence.HIDDEN or every is None:
-        return None, None
-    if own is not None and len(own.places) >= MIN_LINE_COUNT:
-        return own.margins
-    place, length = every.margins
-    return (place, length) if own is None else (max(place, own.places.max()), max(length, own.lengths.max()))
+    return None if evidence is Evidence.HIDDEN else known.get((name, evidence), known.get(("", evidence)))
 
 
 def measure_intervals(pattern: Pattern, lines: Sequence[tuple[PatternLine, Evidence]]) -> tuple[LineInterval, ...]:
@@ -181,7 +178,7 @@ def measure_intervals(pattern: Pattern, lines: Sequence[tuple[PatternLine, Evide
     """
     found = []
     for line, evidence in lines:
-        length, (place, ratio) = line.measure_length(pattern), find_margins(line.name, evidence, load_errors())
-        margin = None if ratio is None else length * float(np.expm1(ratio))
+        length, known = line.measure_length(pattern), find_margins(line.name, evidence, load_margins())
+        place, margin = (None, None) if known is None else (known.place, length * float(np.expm1(known.length)))
         found.append(LineInterval(line, evidence, length, place, margin))
     return tuple(found)
