@@ -132,7 +132,7 @@ def fit_margins(
         places: Errors of their places [m], shape [n].
         lengths: Absolute logarithms of ratios of their lengths, shape [n].
     """
-    found = {}
+    found: dict[tuple[str, Evidence], Margins] = {}
     for evidence in sorted({word for _, word in kinds}):
         own = [n for n, (_, word) in enumerate(kinds) if word == evidence]
         names = [kinds[n][0] for n in own]
