@@ -72,6 +72,17 @@ def test_armholes_are_where_the_colours_change(shirt: Garment, beyond: float) ->
     assert np.median(np.abs(apart)) == pytest.approx(beyond, abs=0.005)
 
 
+def test_cloth_that_completes_a_scan_has_no_colour(shirt: Garment) -> None:
+    """Breaks where a surface that another garment hides, joined to the target, is asked for its colours."""
+    target = paint(shirt, 0.0, np.random.default_rng(3))
+    apart = target.vertices[:60] + [0.0, -1.0, 0.0]
+    added = len(target.vertices) + np.arange(60).reshape(-1, 3)
+    more = replace(
+        target, vertices=np.concatenate([target.vertices, apart]), faces=np.concatenate([target.faces, added])
+    )
+    assert find_colour_steps(shirt, more).keys() == find_colour_steps(shirt, target).keys() != set()
+
+
 def test_plain_and_printed_cloth_shows_no_seam(shirt: Garment) -> None:
     """Breaks where noise, shades or a print of dots pass for a seam."""
     rng = np.random.default_rng(4)

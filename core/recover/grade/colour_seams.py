@@ -77,9 +77,10 @@ def find_colour_steps(garment: Garment, target: Target) -> dict[PatternLine, Col
     """
     if target.colours is None or not len(target.faces):
         return {}
-    surface = TriangleSurface(target.vertices, target.faces)
+    faces = target.faces[(target.faces < len(target.colours)).all(axis=1)]
+    surface = TriangleSurface(target.vertices, faces)
     normals = vertex_normals(garment.nodes, garment.faces)
-    edge = np.linalg.norm(surface.vertices[target.faces[:, 0]] - surface.vertices[target.faces[:, 1]], axis=1).mean()
+    edge = np.linalg.norm(surface.vertices[faces[:, 0]] - surface.vertices[faces[:, 1]], axis=1).mean()
     blur, found = int(np.ceil(edge / SEARCH_STEP)), {}
     for line in list_lines(garment.pattern):
         if line.is_open:
@@ -88,7 +89,7 @@ def find_colour_steps(garment: Garment, target: Target) -> dict[PatternLine, Col
         offsets = np.arange(-SEARCH_REACH, SEARCH_REACH + 0.5 * SEARCH_STEP, SEARCH_STEP)
         points = starts[:, None] + offsets[None, :, None] * across[:, None]
         closest = surface.closest(points.reshape(-1, 3))
-        colours = closest.interpolate(target.colours, target.faces).reshape(*points.shape)
+        colours = closest.interpolate(target.colours, faces).reshape(*points.shape)
         near = closest.distance.reshape(points.shape[:2]) < MAX_SURFACE_DISTANCE
         places, is_seen = find_steps(colours, near, blur)
         if is_seen.sum() >= MIN_SEEN_ROWS and is_seen.mean() > 0.5:

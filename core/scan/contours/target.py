@@ -101,7 +101,7 @@ class Target:
         category: One of `CATEGORIES`, chosen from the contours and the bones they encircle.
         origin: Index in the scan of each vertex, shape [vertex_count]; None where the scan was not thinned.
         hidden: True at vertices of the border beyond which the garment may go on, shape [vertex_count]; None: nowhere.
-        colours: RGB of the vertices in 0..1, shape [vertex_count, 3]; None where the scan has none.
+        colours: RGB in 0..1 of the vertices that were scanned, the first ones, shape [n, 3]; None without colours.
     """
 
     vertices: np.ndarray
