@@ -16,8 +16,10 @@ from garmentq.core.recover.grade.neck_finish import NeckFinish
 from garmentq.core.recover.grade.openings import find_openings, open_slits
 from garmentq.core.scan.contours.category import choose_category
 from garmentq.core.scan.contours.contours import name_contours
+from garmentq.core.scan.contours.garment import segment_garment
 from garmentq.core.scan.contours.slits import Slit, SlitName, find_slits
 from garmentq.core.scan.contours.target import Target
+from garmentq.core.scan.scan import Scan
 
 BODY = builtin_body("builtin:female,height=1.70")
 SIDES = (Slit(SlitName.LEFT_VENT, 0.08), Slit(SlitName.RIGHT_VENT, 0.08))
@@ -97,3 +99,15 @@ def test_fronts_have_probabilities_and_slits_lengths() -> None:
     assert front.probability == pytest.approx(2 / 3)
     assert front.describe().evidence == {"name": "front.closed", "probability": 0.667}
     assert [(one.extent, one.probability) for one in vents] == [(0.08, None)] * 2
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", ["tank+front=wrap,neckline=v", "long_sleeve_tshirt+cuff=shirt"])
+def test_a_wrap_and_shirt_cuffs_of_a_drape_are_chosen_and_can_be_overruled(name: str) -> None:
+    """Breaks where a garment that is scanned by itself does not get the front or the cuffs that it was sewn with."""
+    worn = drape_template(load_template(name), WearerGeometry(BODY))
+    target = segment_garment(Scan(worn.nodes, worn.faces), BODY)
+    chosen, cut = find_cut(choose_cut(target, BODY).template), find_cut(name)
+    assert (chosen.front, chosen.cuff) == (cut.front, cut.cuff)
+    plain = find_cut(choose_cut(target, BODY, {"front": "none", "cuff": "none"}).template)
+    assert (plain.front, plain.cuff) == (Front.NONE, Cuff.NONE)
