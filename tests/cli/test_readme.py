@@ -62,6 +62,7 @@ ELSEWHERE = (
     "refine",
     "animate",
     "doctor",
+    "measure",
 )
 """Commands that other tests run: they take long, never end, or need a job's id."""
 

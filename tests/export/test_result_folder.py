@@ -179,15 +179,15 @@ def test_the_report_needs_no_network(html: str) -> None:
     tags = parse(html)
     assert not {tag for tag, _ in tags.seen} & {"script", "link", "iframe", "object"}
     sources = [attributes["src"] or "" for tag, attributes in tags.seen if tag == "img"]
-    assert len(sources) == 6
-    assert all(source.startswith("data:image/png;base64,") for source in sources)
+    assert len(sources) == 7
+    assert all(source.startswith(("data:image/png;base64,", "data:image/svg+xml;base64,")) for source in sources)
     assert "@import" not in html and "url(" not in html
 
 
 def test_the_pictures_show_a_garment(html: str) -> None:
     """Fails if a picture were empty, or scan, result and error map were the same one."""
     pictures = [
-        np.asarray(Image.open(io.BytesIO(base64.b64decode(data)))) for data in re.findall(r"base64,([^\"]+)", html)
+        np.asarray(Image.open(io.BytesIO(base64.b64decode(data)))) for data in re.findall(r"png;base64,([^\"]+)", html)
     ]
     for picture in pictures:
         assert 0.2 < np.mean(picture[..., 3] > 0) < 1.0
@@ -211,7 +211,7 @@ def test_a_hostile_name_is_only_text(tube_recovery) -> None:
     )
     tags = parse(report_html(recovery))
     assert "script" not in {tag for tag, _ in tags.seen}
-    assert sum(tag == "img" for tag, _ in tags.seen) == 6
+    assert sum(tag == "img" for tag, _ in tags.seen) == 7
     assert not any(name.startswith("on") for _, attributes in tags.seen for name in attributes)
 
 
@@ -267,7 +267,7 @@ def test_the_headline_tells_the_products_apart(fitted: Recovery) -> None:
 def test_the_simulation_mesh_is_shown(fitted: Recovery) -> None:
     """Fails if the report of a fit kept the simulation mesh or the new drape to itself."""
     html = report_html(fitted)
-    assert sum(tag == "img" for tag, _ in parse(html).seen) == 10
+    assert sum(tag == "img" for tag, _ in parse(html).seen) == 11
     meshes = re.search(r'<table class="meshes">.*?</table>', html, re.DOTALL).group()
     assert "5 / 6" in meshes and "Graded drape" in meshes
 
