@@ -3,52 +3,82 @@
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from typing import Any
 
 import click
 
 from ..core.deliver.formats.registry import CHARTS, TABLE_UNITS
 from .export import ProductionOptions, production_options, read_options, read_table, write_production
+from .options import gather
 from .size_table import read_sizes
+
+
+@dataclass(frozen=True)
+class SizeOptions:
+    """Describe which sizes are made; each field is the option of its name."""
+
+    step: float
+    span: str
+    table: str | None
+    chart: str | None
+    chosen: tuple[str, ...]
+    unit: str
+    sure: bool
+    drape: bool
+
+    def as_request(self) -> dict[str, Any]:
+        """Return them as an export's request has them.
+
+        Raises:
+            UsageError: if the range or the table cannot be read.
+        """
+        found = re.fullmatch(r"\s*([+-]?\d{1,3})\s*\.\.\s*([+-]?\d{1,3})\s*", self.span)
+        if not found:
+            raise click.UsageError("--range is FIRST..LAST, as in -2..4.")
+        options: dict[str, Any] = {"step": self.step, "first": int(found[1]), "last": int(found[2])}
+        if self.table is not None:
+            options["sizes"] = read_sizes(read_table(self.table), self.unit)
+        chosen = {"chart": self.chart, "chosen": list(self.chosen), "is_sure": self.sure, "drape": self.drape}
+        options |= {name: value for name, value in chosen.items() if value}
+        return options if self.unit == "cm" else options | {"unit": self.unit}
+
+
+SIZE_OPTIONS = [
+    click.option(
+        "--step", type=float, default=4.0, show_default=True, help="Step between sizes, in bust, waist and hip [cm]."
+    ),
+    click.option(
+        "--range", "span", default="-2..2", show_default=True, help="Steps below and above the wearer's size."
+    ),
+    click.option(
+        "--drape", is_flag=True, help="Also drape each size on a body of its measures; 10 to 30 s of CPU a size."
+    ),
+    click.option(
+        "--table",
+        type=click.Path(exists=True, dir_okay=False),
+        help="A table of sizes instead, CSV or JSON: name, bust, waist, hip, height, neck and more; units in its head.",
+    ),
+    click.option("--chart", type=click.Choice(tuple(CHARTS)), help="A published chart of sizes instead."),
+    click.option("--size", "chosen", multiple=True, help="Only this size of the table or chart; several times."),
+    click.option(
+        "--unit",
+        type=click.Choice(tuple(TABLE_UNITS)),
+        default="cm",
+        show_default=True,
+        help="Unit of a table whose head names none, and of the grade table that is written.",
+    ),
+    click.option("--sure", is_flag=True, help="Take a table as it is that looks wrong."),
+]
+"""Options of `SizeOptions`."""
 
 
 @click.command("sizes")
 @click.argument("job")
-@click.option(
-    "--step", type=float, default=4.0, show_default=True, help="Step between sizes, in bust, waist and hip [cm]."
-)
-@click.option("--range", "span", default="-2..2", show_default=True, help="Steps below and above the wearer's size.")
-@click.option("--drape", is_flag=True, help="Also drape each size on a body of its measures; 10 to 30 s of CPU a size.")
-@click.option(
-    "--table",
-    type=click.Path(exists=True, dir_okay=False),
-    help="A table of sizes instead, CSV or JSON: name, bust, waist, hip, height, neck and more; units in its head.",
-)
-@click.option("--chart", type=click.Choice(tuple(CHARTS)), help="A published chart of sizes instead.")
-@click.option("--size", "chosen", multiple=True, help="Only this size of the table or chart; several times.")
-@click.option(
-    "--unit",
-    type=click.Choice(tuple(TABLE_UNITS)),
-    default="cm",
-    show_default=True,
-    help="Unit of a table whose head names none, and of the grade table that is written.",
-)
-@click.option("--sure", is_flag=True, help="Take a table as it is that looks wrong.")
+@gather(SizeOptions, SIZE_OPTIONS, "sizes")
 @production_options
 @click.pass_context
-def command(
-    context: click.Context,
-    job: str,
-    step: float,
-    span: str,
-    table: str | None,
-    chart: str | None,
-    chosen: tuple[str, ...],
-    unit: str,
-    sure: bool,
-    drape: bool,
-    production: ProductionOptions,
-) -> None:
+def command(context: click.Context, job: str, sizes: SizeOptions, production: ProductionOptions) -> None:
     """Grade a result's pattern to other sizes.
 
     Writes a pattern for each size, a nest of all sizes as PDF and DXF, the base size with its grade rules, and a grade
@@ -63,21 +93,5 @@ def command(
       garmentq sizes 3685ecfd4f81 --table sizes.csv --unit inch --dialect gerber
       garmentq sizes 3685ecfd4f81 --chart de-women --size 36 --size 38 --size 40
     """
-    options: dict[str, Any] = {"format": "sizes", "step": step, **read_options(production)}
-    found = re.fullmatch(r"\s*([+-]?\d{1,3})\s*\.\.\s*([+-]?\d{1,3})\s*", span)
-    if not found:
-        raise click.UsageError("--range is FIRST..LAST, as in -2..4.")
-    options.update(first=int(found[1]), last=int(found[2]))
-    if table is not None:
-        options["sizes"] = read_sizes(read_table(table), unit)
-    if chart is not None:
-        options["chart"] = chart
-    if chosen:
-        options["chosen"] = list(chosen)
-    if unit != "cm":
-        options["unit"] = unit
-    if sure:
-        options["is_sure"] = True
-    if drape:
-        options["drape"] = True
+    options = {"format": "sizes", **read_options(production), **sizes.as_request()}
     context.exit(write_production(job, options, production))
