@@ -99,7 +99,7 @@ def test_every_command_works_or_says_why_not(remote, cli, settings):
     """Broken where a command ignores GARMENTQ_URL and works on a home of this machine instead, or hides its help."""
     asked = {
         "run", "submit", "status", "logs", "result", "export", "query", "cancel", "retry", "templates", "materials",
-        "keys", "doctor", "dress", "refit", "refine", "edit", "animate", "match", "sizes", "webhooks",
+        "keys", "doctor", "dress", "refit", "refine", "edit", "animate", "match", "sizes", "measure", "webhooks",
     }  # fmt: skip
     files_only = {"inspect", "segment", "bodies", "bench"}  # of this machine, as they are
     assert asked | files_only | set(LOCAL_COMMANDS) == set(COMMANDS) and not (asked | files_only) & set(LOCAL_COMMANDS)
