@@ -30,8 +30,7 @@ def find_length_differences(
     hanging = {contour.name: contour for contour in garment.contours if contour.is_closed}
     found = []
     for one in intervals:
-        edge = one.line.edges[0]
-        name = garment.pattern.panel(edge.panel).edges[edge.edge].contour
+        name = one.line.find_contour(garment.pattern)
         if one.evidence is not Evidence.EDGE or name not in shown or name not in hanging or one.length_margin is None:
             continue
         scanned, drape = (

@@ -143,7 +143,8 @@ def fit_margins(
 
 def _fit_margins(names: Sequence[str], errors: np.ndarray) -> dict[str, float]:
     """Return the margin of each kind, given the logarithms of the errors of lines by name, shape [n]."""
-    common, medians = float(np.median(errors)), {"": float(np.median(errors))}
+    common = float(np.median(errors))
+    medians = {"": common}
     for name in set(names):
         own = errors[[one == name for one in names]]
         share = len(own) / (len(own) + POOLED_LINE_COUNT)

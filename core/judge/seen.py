@@ -29,6 +29,16 @@ def find_seen_faces(garment: Garment, surface: TriangleSurface) -> np.ndarray:
     return np.asarray((sides != 0) & ~rim.is_ahead(surface, closest))
 
 
+def find_seen_nodes(garment: Garment, seen: np.ndarray) -> np.ndarray:
+    """Return the nodes of the faces that a scan shows, bool, shape [node_count].
+
+    Args:
+        garment: The garment.
+        seen: The faces that the scan shows, bool, shape [face_count].
+    """
+    return np.asarray(np.bincount(garment.faces[seen].ravel(), minlength=len(garment.nodes)) > 0)
+
+
 def measure_inferred_area(garment: Garment, seen: np.ndarray) -> dict[str, float]:
     """Return the share of each panel's area that is inferred, by the panel's name.
 

@@ -8,6 +8,7 @@ from ..body.body import Body
 from ..garment.garment import Garment
 from ..garment.pieces.pattern_lines import PatternLine, list_lines
 from ..judge.line_intervals import Evidence
+from ..judge.seen import find_seen_nodes
 from ..scan.contours.target import Target
 from .grade.colour_seams import find_colour_steps
 from .grade.seen_seams import find_seen_seams
@@ -30,7 +31,7 @@ def find_line_evidence(
         body: The wearer.
         seen: Whether the scan shows each face, bool, shape [face_count].
     """
-    shown = np.bincount(garment.faces[seen].ravel(), minlength=len(garment.nodes)) > 0
+    shown = find_seen_nodes(garment, seen)
     by_curvature = np.zeros(len(garment.nodes), dtype=bool)
     for seam in find_seen_seams(garment, target, body):
         by_curvature[seam.nodes[np.abs(seam.distance(garment.nodes)) < SEEN_SEAM_DISTANCE]] = True
@@ -41,7 +42,7 @@ def find_line_evidence(
         nodes = line.find_nodes(garment)
         evidence = Evidence.PROPORTION
         if line.is_open:
-            end = ends.get(garment.pattern.panel(line.edges[0].panel).edges[line.edges[0].edge].contour)
+            end = ends.get(line.find_contour(garment.pattern))
             evidence = Evidence.EDGE if end is not None and end.trusted and not end.hidden else Evidence.HIDDEN
         elif shown[nodes].mean() < MIN_SEEN_SHARE:
             evidence = Evidence.HIDDEN

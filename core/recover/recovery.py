@@ -113,5 +113,7 @@ class Recovery:
         """Return the nodes that no face which the scan shows has, bool, shape [node_count]."""
         import numpy as np
 
-        shown = self.garment.faces if self.seen is None else self.garment.faces[self.seen]
-        return np.asarray(np.bincount(shown.ravel(), minlength=len(self.garment.nodes)) == 0)
+        from ..judge.seen import find_seen_nodes
+
+        seen = np.ones(len(self.garment.faces), dtype=bool) if self.seen is None else self.seen
+        return ~find_seen_nodes(self.garment, seen)

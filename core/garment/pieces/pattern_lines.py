@@ -42,6 +42,11 @@ class PatternLine:
         """Return whether it is an open edge."""
         return not self.others
 
+    def find_contour(self, pattern: Pattern) -> str:
+        """Return the name of the contour that an open edge is on; an empty text for a seam."""
+        first = self.edges[0]
+        return pattern.panel(first.panel).edges[first.edge].contour
+
     def measure_length(self, pattern: Pattern) -> float:
         """Return its length on the flat cloth [m]; of a seam the mean of both sides."""
         sides = [side for side in (self.edges, self.others) if side]
