@@ -72,8 +72,7 @@ def free_wrapped_neck(target: Target, pattern: Pattern) -> Target:
     point of the V, where those of the seen neckline end."""
     if all(panel.label != WRAP_LABEL for panel in pattern.panels):
         return target
-    contours = (replace(one, trusted=one.trusted and one.name != "neck") for one in target.contours)
-    return replace(target, contours=tuple(contours))
+    return target.distrust("neck")
 
 
 def find_template(request: Request, target: Target, body: Body) -> Choice:

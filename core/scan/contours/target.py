@@ -118,6 +118,12 @@ class Target:
         """Return a contour by its name, or None."""
         return next((c for c in self.contours if c.name == name), None)
 
+    def distrust(self, name: str) -> Target:
+        """Return the target with a contour that is not trusted."""
+        return replace(
+            self, contours=tuple(replace(one, trusted=False) if one.name == name else one for one in self.contours)
+        )
+
     @property
     def waist(self) -> Contour | None:
         """Return the waist by which the garment hangs; None where it has none, or another garment hides it."""

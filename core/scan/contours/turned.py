@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from ...body.body import Body
@@ -54,9 +52,7 @@ def free_covered_neck(target: Target, body: Body, turned_area: float) -> Target:
     shown = find_turned_faces(target.vertices, target.faces, neck, body)
     if face_areas(target.vertices, target.faces)[shown].sum() > MIN_SHOWN_TURNED_SHARE * turned_area:
         return target
-    return replace(
-        target, contours=tuple(replace(one, trusted=False) if one is neck else one for one in target.contours)
-    )
+    return target.distrust("neck")
 
 
 def join_turned_faces(
