@@ -160,7 +160,7 @@ def scan_garment(garment: Garment, path: Path, rng: np.random.Generator) -> None
     write_ply(vertices + noise * moved[:, None] * vertex_normals(vertices, faces), faces, path)
 
 
-def make_known(index: int, seed: int, out: Path, makers: Makers) -> Path | None:
+def make_known(index: int, seed: int, out: Path, makers: Makers, method: str) -> Path | None:
     """Make and recover one garment; None where it cannot be made. What is there stays."""
     folder = out / f"{index:03d}"
     if (folder / "recovered.pkl").exists():
@@ -174,14 +174,14 @@ def make_known(index: int, seed: int, out: Path, makers: Makers) -> Path | None:
         known = drape_known(folder, body, rng)
         scan_garment(known, folder / "scan.ply", rng)
         trimesh.Trimesh(body.vertices, body.faces, process=False).export(folder / "body.ply")
-        request = Request(folder / "scan.ply", folder / "body.ply", settings=RecoverySettings(method="deform"))
+        request = Request(folder / "scan.ply", folder / "body.ply", settings=RecoverySettings(method=method))
         found = recover(request)
     except (GarmentqError, RuntimeError, np.linalg.LinAlgError) as error:
         (folder / "failed.txt").write_text(f"{type(error).__name__}: {error}")
         print(f"{index}: {error}", file=sys.stderr, flush=True)
         return None
     with (folder / "recovered.pkl").open("wb") as file:
-        pickle.dump({"maker": maker, "seed": seed, "known": known, "found": found}, file)
+        pickle.dump({"maker": maker, "seed": seed, "method": method, "known": known, "found": found}, file)
     rms = found.report.metrics["surface_rms_mm.s2t"]
     print(
         f"{index}: {maker} {found.template} {rms:.2f} mm, {found.report.cpu_seconds:.0f} s", file=sys.stderr, flush=True
@@ -199,10 +199,11 @@ def main() -> None:
     parser.add_argument("--garmentcode", type=Path, required=True)
     parser.add_argument("--templates", type=Path, required=True)
     parser.add_argument("--python", required=True)
+    parser.add_argument("--method", default=RecoverySettings().method)
     given = parser.parse_args()
     makers = Makers(given.garmentcode.resolve(), given.templates.resolve(), given.python)
     for index in range(given.first, given.first + given.count):
-        make_known(index, given.seed + index, given.out, makers)
+        make_known(index, given.seed + index, given.out, makers, given.method)
 
 
 if __name__ == "__main__":

@@ -37,12 +37,14 @@ KNOWN_ERRORS = Path(__file__).with_name("line_errors.npz")
 
 
 class Evidence(StrEnum):
-    """Describe what decides where a line is: an end of the cloth that the scan shows, its curvature, its colours, the
-    proportions of the base pattern, or those alone, where the scan shows none of the cloth around it."""
+    """Describe what decides where a line is: an end of the cloth that the scan shows, its curvature, a step of its
+    colours, stripes that turn, the proportions of the base pattern, or those alone, where the scan shows none of the
+    cloth around it."""
 
     EDGE = "edge"
     CURVATURE = "curvature"
     COLOUR = "colour"
+    STRIPES = "stripes"
     PROPORTION = "proportion"
     HIDDEN = "hidden"
 

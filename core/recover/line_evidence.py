@@ -10,11 +10,11 @@ from ..garment.pieces.pattern_lines import PatternLine, list_lines
 from ..judge.line_intervals import Evidence
 from ..judge.seen import find_seen_nodes
 from ..scan.contours.target import Target
-from .grade.colour_seams import find_colour_steps
+from .grade.seam_traces import find_seam_traces
 from .grade.seen_seams import find_seen_seams
 
 SEEN_SEAM_DISTANCE = 0.01
-"""Distance from where curvature or colours show a seam within which it lies there [m]: a seam's allowance."""
+"""Distance from where the cloth shows a seam within which it lies there [m]: a seam's allowance."""
 
 MIN_SEEN_SHARE = 0.5
 """Share of a line's nodes from which what is true of them is true of it [1]."""
@@ -35,7 +35,7 @@ def find_line_evidence(
     by_curvature = np.zeros(len(garment.nodes), dtype=bool)
     for seam in find_seen_seams(garment, target, body):
         by_curvature[seam.nodes[np.abs(seam.distance(garment.nodes)) < SEEN_SEAM_DISTANCE]] = True
-    steps = find_colour_steps(garment, target)
+    traces = find_seam_traces(garment, target)
     ends = {contour.name: contour for contour in target.contours}
     found = []
     for line in list_lines(garment.pattern):
@@ -46,8 +46,8 @@ def find_line_evidence(
             evidence = Evidence.EDGE if end is not None and end.trusted and not end.hidden else Evidence.HIDDEN
         elif shown[nodes].mean() < MIN_SEEN_SHARE:
             evidence = Evidence.HIDDEN
-        elif line in steps and steps[line].is_at(garment.nodes, SEEN_SEAM_DISTANCE):
-            evidence = Evidence.COLOUR
+        elif line in traces and traces[line][1].is_at(garment.nodes, SEEN_SEAM_DISTANCE):
+            evidence = Evidence(str(traces[line][0]))
         elif by_curvature[nodes].mean() > MIN_SEEN_SHARE:
             evidence = Evidence.CURVATURE
         found.append((line, evidence))

@@ -24,7 +24,7 @@ from .grading import is_sound, move_pattern
 from .pattern_parameters import PatternParameters
 from .proportion import Proportions, find_proportions
 from .registration import match_surface
-from .seen_seams import SeenSeam, find_coloured_seams, find_seen_seams
+from .seen_seams import SeenSeam, find_seen_seams, find_traced_seams
 
 if TYPE_CHECKING:
     from ...cloth.block_pattern import BlockPattern
@@ -170,7 +170,14 @@ class Isometry:
 
     @classmethod
     def of(
-        cls, garment: Garment, target: Target, body: Body, base: Pattern, strain: np.ndarray, settings: IsometrySettings
+        cls,
+        garment: Garment,
+        target: Target,
+        body: Body,
+        base: Pattern,
+        strain: np.ndarray,
+        settings: IsometrySettings,
+        traced: tuple[SeenSeam, ...] | None = None,
     ) -> Isometry:
         """Prepare the fit of a garment whose nodes are on the target.
 
@@ -181,6 +188,7 @@ class Isometry:
             base: The template, which gives symmetry and proportions.
             strain: U of each face, shape [face_count, 2, 2].
             settings: Weights and steps.
+            traced: Seams that the scan's cloth shows, where they were found already.
         """
         from ...cloth.block_pattern import BlockPattern
         from ...cloth.solver import make_solver
@@ -208,7 +216,7 @@ class Isometry:
             hidden=hidden,
             loose=loose,
             borders=tuple(borders),
-            seams=(*curved, *find_coloured_seams(garment, target)),
+            seams=(*curved, *(find_traced_seams(garment, target) if traced is None else traced)),
             strain=strain,
             free=free,
             proportions=find_proportions(base),

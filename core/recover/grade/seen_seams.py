@@ -1,4 +1,4 @@
-"""Find seams whose place on a smooth surface the curvature or the colours of the cloth show."""
+"""Find seams whose place on a smooth surface the curvature of the cloth or what is on it shows."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from ...body.body import Body
 from ...garment.garment import Garment
 from ...garment.pattern import EdgeRef
 from ...scan.contours.target import Target
-from .colour_seams import find_colour_steps
 from .parts import find_armhole_pairs
+from .seam_traces import find_seam_traces
 from .shoulder_points import find_shoulder_points
 from .trunk_curvature import TrunkCurvature
 from .waist_seam import find_waist_line, is_waist_seam
@@ -41,15 +41,15 @@ class SeenSeam:
         return np.asarray((nodes[self.nodes] * self.normals).sum(axis=1) - self.offsets)
 
 
-def find_coloured_seams(garment: Garment, target: Target) -> tuple[SeenSeam, ...]:
-    """Find the nodes of a drafted garment's seams at whose place the target's colours change.
+def find_traced_seams(garment: Garment, target: Target) -> tuple[SeenSeam, ...]:
+    """Find the nodes of a drafted garment's seams whose place the target's colours or stripes show.
 
     Args:
         garment: The mesh, nodes on the target.
         target: The scan's surface.
     """
-    steps = find_colour_steps(garment, target).values()
-    return tuple(SeenSeam(one.nodes, one.across, (one.places * one.across).sum(axis=1)) for one in steps)
+    traces = [trace for _, trace in find_seam_traces(garment, target).values()]
+    return tuple(SeenSeam(one.nodes, one.across, (one.places * one.across).sum(axis=1)) for one in traces)
 
 
 def find_seen_seams(garment: Garment, target: Target, body: Body) -> tuple[SeenSeam, ...]:

@@ -18,11 +18,11 @@ from ...run.hooks import SILENT_HOOKS, Hooks
 from ...scan.contours.target import Target
 from .grading import GradeSettings, move_pattern, step_without_folds
 from .isometry import Isometry, IsometrySettings
-from .seen_seams import find_coloured_seams
+from .seen_seams import find_traced_seams
 from .strain import clamp_stretch, subgrid_stretch
 
-MAX_COLOUR_ROUND_COUNT = 3
-"""Number of times that seams slide while colours show them elsewhere: each goes about half of the way."""
+MAX_TRACE_ROUND_COUNT = 3
+"""Number of times that seams slide while the scan shows them elsewhere: each goes about half of the way."""
 
 
 @dataclass(frozen=True)
@@ -87,12 +87,12 @@ def slide_seams(
     def tell(step: int) -> None:
         hooks.progress("grade", step / chosen.steps, "sliding the seams into place")
 
-    slid = found
-    for _ in range(MAX_COLOUR_ROUND_COUNT):
-        problem = Isometry.of(slid, target, body, base, strain, chosen)
+    slid, traced = found, find_traced_seams(found, target)
+    for _ in range(MAX_TRACE_ROUND_COUNT):
+        problem = Isometry.of(slid, target, body, base, strain, chosen, traced)
         slid = solve_isometry(problem, slid, settings.settled, tell)
-        coloured = find_coloured_seams(slid, target)
-        if all(np.abs(seam.distance(slid.nodes)).mean() < chosen.seam_scale for seam in coloured):
+        traced = find_traced_seams(slid, target)
+        if all(np.abs(seam.distance(slid.nodes)).mean() < chosen.seam_scale for seam in traced):
             break
     tried = {"slid": slid, "as graded": found}
     return choose_best("seams", tried, lambda one: float(one is slid and not can_be_meshed(one)), hooks)
