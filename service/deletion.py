@@ -10,12 +10,12 @@ from time import time
 from sqlalchemy import delete, exists, or_, select
 
 from ..core.run.errors import BadInput
-from .damage import describe_damaged_rows
+from .columns import RowDamaged
 from .database import Database, clock
 from .families import JobInUse, JobNotEnded, find_below
 from .families import delete as delete_family
-from .garbage import find_all_references, find_hashes
-from .models import ArtifactRow, IdempotencyRow, JobInputRow, JobRow, OwnerRow, ScanRow, UploadRow
+from .garbage import find_named
+from .models import ArtifactRow, IdempotencyRow, JobFileRow, JobInputRow, JobRow, OwnerRow, ScanRow, UploadRow
 from .records import JsonRecord
 from .states import ENDED
 from .store import ArtifactMissing, Store
@@ -133,8 +133,8 @@ def _find_files(database: Database, jobs: Sequence[str]) -> set[str]:
     ids = [*jobs, *(row.id for row in find_below(database, jobs))]
     with database.read() as session:
         files = set(session.scalars(select(ArtifactRow.sha256).where(ArtifactRow.job.in_(ids))))
-        for scan, request in session.execute(select(JobRow.scan, JobRow.request).where(JobRow.id.in_(ids))):
-            files |= {scan, *find_hashes(request)}
+        files |= set(session.scalars(select(JobFileRow.sha256).where(JobFileRow.job.in_(ids))))
+        files |= set(session.scalars(select(JobRow.scan).where(JobRow.id.in_(ids))))
     return files
 
 
@@ -176,12 +176,14 @@ def forget_upload(database: Database, sha256: str, key: str) -> int:
 
 
 def remove_files(database: Database, store: Store, files: set[str], done: Deleted, started: float) -> Deleted:
-    """Delete those of some files that no row names; none if a row is damaged, because it may name one."""
-    named, damaged = find_all_references(database)
+    """Delete those of some files that no row names; none where one of the rows that name them is damaged."""
     count = size = young = 0
-    if damaged:
-        log.warning("no file is deleted: %s", describe_damaged_rows(damaged))
-        return Deleted(done.jobs, done.uploads, young=len(files - named))
+    try:
+        with database.read() as session:
+            named = find_named(session, files)
+    except RowDamaged as error:
+        log.warning("no file is deleted: %s", error)
+        return Deleted(done.jobs, done.uploads, young=len(files))
     for key in sorted(files - named):
         try:
             bytes_ = store.size(key)

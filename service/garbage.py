@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from time import time
@@ -17,13 +17,14 @@ from .damage import DamagedRow, read_damaged_references
 from .database import Database
 from .model_base import Base
 from .models import JobRow
+from .named_files import HASH, find_hashes
 from .store import ArtifactMissing, Store, StoreEntry
-
-HASH = re.compile(r"[0-9a-f]{64}")
-"""Pattern of a key in a job's request."""
 
 FOUND = re.compile(HASH.pattern.encode())
 """The same pattern for the bytes of a damaged request."""
+
+KEYS_AT_ONCE = 500
+"""Number of keys of one query; SQLite binds 32 766 values."""
 
 GARBAGE_GRACE_HOURS = 24.0
 """Least age of a file that may be deleted [h]: a worker stores its files some seconds before a row names them, and an
@@ -86,25 +87,32 @@ def find_all_references(database: Database) -> tuple[set[str], tuple[DamagedRow,
 
 
 def find_references(session: Session) -> Iterator[str]:
-    """Yield every key that a row names: each column `sha256` of any table, scans of jobs, the files of requests."""
-    for mapper in Base.registry.mappers:
-        if "sha256" in mapper.columns:
-            yield from session.scalars(select(mapper.attrs["sha256"]))
-    with session.execute(select(JobRow.scan, JobRow.request).execution_options(yield_per=1000)) as jobs:
-        for scan, request in jobs:
-            yield scan
+    """Yield every key that a row names: each column `sha256` of any table, scans of jobs, the files of requests.
+
+    Requests are read, although `job_files` names their files, so that a damaged one is met.
+    """
+    for column in _list_columns():
+        yield from session.scalars(select(column).distinct())
+    with session.execute(select(JobRow.request).execution_options(yield_per=1000)) as jobs:
+        for request in jobs.scalars():
             yield from find_hashes(request)
 
 
-def find_hashes(value: Any) -> Iterator[str]:
-    """Yield every key of a stored file that a request's JSON values name."""
-    if isinstance(value, dict):
-        value = list(value.values())
-    if isinstance(value, list):
-        for part in value:
-            yield from find_hashes(part)
-    elif isinstance(value, str) and HASH.fullmatch(value):
-        yield value
+def find_named(session: Session, files: Collection[str]) -> set[str]:
+    """Return those of some keys that a row names; each is looked up by an index."""
+    found: set[str] = set()
+    left = sorted(files)
+    for start in range(0, len(left), KEYS_AT_ONCE):
+        keys = left[start : start + KEYS_AT_ONCE]
+        for column in _list_columns():
+            found.update(session.scalars(select(column).where(column.in_(keys))))
+    return found
+
+
+def _list_columns() -> list[Any]:
+    """Return the columns that name stored files."""
+    tables = [mapper for mapper in Base.registry.mappers if "sha256" in mapper.columns]
+    return [JobRow.scan, *(mapper.class_.sha256 for mapper in tables)]
 
 
 def _age(one: StoreEntry) -> tuple[float, str]:

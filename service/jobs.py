@@ -19,6 +19,7 @@ from ..core.run.errors import BadInput, GarmentqError, NotFound, Unavailable
 from ..core.run.verdict import Verdict, worst_verdict
 from .database import Database, change_rows, clock, skip_damaged_rows, starts_with
 from .fairness import choose_job
+from .listed import list_request, read_listed_settings
 from .models import EventRow, JobInputRow, JobRow, JobTagRow, JobWaitRow, OutboxRow
 from .new_job import NewJob
 from .outage import find_pause
@@ -35,7 +36,8 @@ WORKER_LOST_CODE, WORKER_LOST_EVENT = "job.worker_lost", "worker_lost"
 RETRY_DEFAULTS = {
     "attempts": 0, "cancel": False, "finished": None, "stage": "", "progress": 0.0, "overall": 0.0,
     "bad_input": False, "error_code": None, "error_message": None, "verdict": None, "result": None,
-    "delays": 0, "delay_code": None, "not_before": None,
+    "delays": 0, "delay_code": None, "not_before": None, "garment": None, "template": None, "fabric": None,
+    "body": None, "cpu_seconds": None, "peak_mb": None,
 }  # fmt: skip
 """Values that are reset when an ended job is retried."""
 
@@ -115,9 +117,11 @@ def create(session: Session, new: NewJob) -> JobRow:
         touched=clock(),
         created=clock(),
         **{name: getattr(new, name) for name in columns},
+        **read_listed_settings(new.request),
     )
     session.add(row)
     session.flush()
+    list_request(session, job, new.request)
     session.add_all(JobTagRow(job=job, tag=tag) for tag in new.tags)
     session.add_all(JobInputRow(job=job, name=name, input=read) for name, read in new.inputs.items())
     session.add_all(JobWaitRow(job=job, awaited=other) for other in new.waits)

@@ -7,6 +7,7 @@ from typing import Any
 from sqlalchemy.orm import Session
 
 from .jobs import judge_result, record
+from .listed import list_result
 from .models import JobRow
 from .states import State
 from .webhooks import queue_messages
@@ -26,6 +27,7 @@ def change_result(session: Session, row: JobRow, changed: dict[str, Any], by: st
     """
     before, result = row.verdict, {**(row.result or {}), **changed}
     row.result, row.verdict = result, judge_result(result)
+    list_result(session, row.id)
     if row.verdict == before:
         return
     for job in (row.id, by):

@@ -8,7 +8,8 @@ from collections.abc import Iterable, Mapping
 from sqlalchemy import func, select
 
 from .database import Database, clock, skip_damaged_rows
-from .models import EventRow, JobRow, OutboxRow, WorkerRow
+from .event_counts import count_events
+from .models import JobRow, OutboxRow, WorkerRow
 from .progress import read_stage_seconds
 from .states import QUEUES, State
 
@@ -34,7 +35,7 @@ def prometheus_text(database: Database) -> str:
         expired = session.scalar(
             select(func.count()).select_from(JobRow).where(JobRow.state == State.RUNNING, JobRow.lease_until < clock())
         )
-        kinds = dict(session.execute(select(EventRow.kind, func.count()).group_by(EventRow.kind)).all())
+        kinds = count_events(session)
         workers = session.execute(select(func.count(), func.sum(WorkerRow.concurrency)).select_from(WorkerRow)).one()
         owed = session.scalar(select(func.count()).select_from(OutboxRow))
         ended = select(JobRow.result).where(JobRow.state == State.SUCCEEDED).order_by(JobRow.finished.desc())

@@ -23,10 +23,19 @@ class ScanRow(Base):
     details: Mapped[dict[str, Any]] = mapped_column(default=dict)
 
 
+LISTED_FIELDS = (
+    "name", "kind", "state", "version", "error_code", "verdict", "garment", "template", "fabric", "body", "method",
+    "preset", "started", "finished", "attempts", "priority", "cpu_seconds", "peak_mb",
+)  # fmt: skip
+"""Columns of a job by which lists are filtered and sorted, besides `created`: each has an index, so that a page of a
+hundred thousand jobs is read in its order."""
+
+
 class JobRow(Base):
     """Store one job and the claim on it; only `jobs.py` changes a state.
 
     `family` is the id of the root, its own for a root; `scan` is the file from which the family's work derives.
+    `method` and `preset` repeat what the request says, `garment` to `peak_mb` what the rows of the result say.
     """
 
     __tablename__ = "jobs"
@@ -36,7 +45,9 @@ class JobRow(Base):
         Index("ix_jobs_created", "created"),
         Index("ix_jobs_payer_state", "payer", "state"),
         Index("ix_jobs_family", "family"),
-        Index("ix_jobs_parent", "parent"),
+        Index("ix_jobs_parent_created", "parent", "created", "id"),
+        Index("ix_jobs_state_finished", "state", "finished"),
+        *(Index(f"ix_jobs_{name}_created", name, "created", "id") for name in LISTED_FIELDS),
     )
     id: Mapped[str] = mapped_column(Words(16), primary_key=True)
     dedup: Mapped[str] = mapped_column(Words(64), unique=True)
@@ -67,12 +78,28 @@ class JobRow(Base):
     error_code: Mapped[str | None] = mapped_column(Words(64))
     error_message: Mapped[str | None] = mapped_column(Words())
     bad_input: Mapped[bool] = mapped_column(default=False)
-    verdict: Mapped[str | None] = mapped_column(Words(16), index=True)
+    verdict: Mapped[str | None] = mapped_column(Words(16))
     delays: Mapped[int] = mapped_column(default=0, server_default="0")
     delay_code: Mapped[str | None] = mapped_column(Words(64))
     not_before: Mapped[float | None]
     result: Mapped[dict[str, Any] | None]
     checked: Mapped[dict[str, Any] | None]
+    method: Mapped[str | None] = mapped_column(Words(32))
+    preset: Mapped[str | None] = mapped_column(Words(32))
+    garment: Mapped[str | None] = mapped_column(Words(32))
+    template: Mapped[str | None] = mapped_column(Words(255))
+    fabric: Mapped[str | None] = mapped_column(Words(64))
+    body: Mapped[str | None] = mapped_column(Words(255))
+    cpu_seconds: Mapped[float | None]
+    peak_mb: Mapped[float | None]
+
+
+class JobFileRow(Base):
+    """Store a stored file that a job's request names."""
+
+    __tablename__ = "job_files"
+    job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
+    sha256: Mapped[str] = mapped_column(Words(64), primary_key=True, index=True)
 
 
 class JobInputRow(Base):
@@ -109,6 +136,17 @@ class EventRow(Base):
     at: Mapped[float]
     kind: Mapped[str] = mapped_column(Words(32))
     data: Mapped[dict[str, Any]] = mapped_column(default=dict)
+
+
+class EventCountRow(Base):
+    """Store the number of events of a kind up to one; that one's id is the number of the kind `COUNTED_TO`.
+
+    Events that were counted stay so when their jobs are deleted.
+    """
+
+    __tablename__ = "event_counts"
+    kind: Mapped[str] = mapped_column(Words(32), primary_key=True)
+    number: Mapped[int] = mapped_column(Whole(is_big=True))
 
 
 class OutboxRow(Base):
@@ -321,7 +359,7 @@ class UploadRow(Base):
 
     __tablename__ = "uploads"
     key: Mapped[str] = mapped_column(Words(16), primary_key=True)
-    sha256: Mapped[str] = mapped_column(Words(64), primary_key=True)
+    sha256: Mapped[str] = mapped_column(Words(64), primary_key=True, index=True)
     name: Mapped[str] = mapped_column(Words(255))
     size: Mapped[int] = mapped_column(Whole(is_big=True))
     created: Mapped[float]

@@ -13,9 +13,8 @@ from sqlalchemy.orm import Session
 from ..core.run.errors import NotFound
 from .database import Database, starts_with
 from .deletion import Deleted, delete_jobs, find_dependent_jobs, forget_upload, remove_files
-from .garbage import find_hashes
 from .jobs import IDS_AT_ONCE, find_jobs_by_id
-from .models import JobRow, OwnerRow, ScanRow, UploadRow
+from .models import JobFileRow, JobRow, OwnerRow, ScanRow, UploadRow
 from .query import FORBIDDEN_CHARACTERS
 from .records import CLOSED, JsonRecord
 from .store import Store
@@ -121,9 +120,9 @@ def _find(database: Database, name: str, key: str) -> tuple[Person, list[str]]:
         files = set() if FORBIDDEN_CHARACTERS.search(name) else _find_files(session, name, key)
         if not files:
             raise PersonUnknown(f"nothing has exactly the name '{name[:80]}'; `garmentq status` lists the jobs.")
-        statement = _of_key(select(JobRow.id, JobRow.scan, JobRow.request).where(JobRow.parent.is_(None)), key)
-        rows = session.execute(statement.order_by(JobRow.created, JobRow.id)).all()
-    roots = [job for job, scan, request in rows if scan in files or not files.isdisjoint(find_hashes(request))]
+        uses = or_(JobRow.scan.in_(files), JobRow.id.in_(select(JobFileRow.job).where(JobFileRow.sha256.in_(files))))
+        statement = _of_key(select(JobRow.id).where(JobRow.parent.is_(None), uses), key)
+        roots = list(session.scalars(statement.order_by(JobRow.created, JobRow.id)))
     dependent = find_dependent_jobs(database, roots)
     jobs = describe_jobs(database, dependent, key)
     with database.read() as session:

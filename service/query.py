@@ -9,13 +9,12 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from typing import Any, cast
 
-from sqlalchemy import ColumnElement, Select, Text, exists, func, select
+from sqlalchemy import ColumnElement, Select, exists, func, select
 from sqlalchemy.orm import Session, aliased
 
 from ..core.run.errors import BadInput
-from .columns import json_or_null
 from .database import Database, skip_damaged_rows
-from .models import BodyRow, JobRow, JobTagRow, MaterialRow, MetricRow, OwnerRow, PatternRow
+from .models import JobRow, JobTagRow, MetricRow, OwnerRow
 from .states import State
 
 TEXTS: dict[str, Any] = {
@@ -28,12 +27,12 @@ TEXTS: dict[str, Any] = {
     "version": JobRow.version,
     "error": JobRow.error_code,
     "verdict": JobRow.verdict,
-    "garment": PatternRow.category,
-    "template": PatternRow.template,
-    "fabric": MaterialRow.name,
-    "body": BodyRow.source,
-    "method": json_or_null(JobRow.request)["settings"]["method"].as_string(),
-    "preset": json_or_null(JobRow.request)["settings"]["preset"].as_string(),
+    "garment": JobRow.garment,
+    "template": JobRow.template,
+    "fabric": JobRow.fabric,
+    "body": JobRow.body,
+    "method": JobRow.method,
+    "preset": JobRow.preset,
 }
 """Text fields: compared by = and != only; so is `tag`, of which a job may have several."""
 
@@ -45,8 +44,8 @@ NUMBERS: dict[str, Any] = {
     "finished": JobRow.finished,
     "attempts": JobRow.attempts,
     "priority": JobRow.priority,
-    "cpu_seconds": json_or_null(JobRow.result)["cpu_seconds"].as_float(),
-    "peak_mb": json_or_null(JobRow.result)["peak_mb"].as_float(),
+    "cpu_seconds": JobRow.cpu_seconds,
+    "peak_mb": JobRow.peak_mb,
 }
 """Numeric fields; every metric is one more."""
 
@@ -76,8 +75,8 @@ FORBIDDEN_CHARACTERS = re.compile("[\x00-\x1f\x7f\ud800-\udfff]")
 AND_PATTERN = re.compile(r"and\s", re.ASCII | re.IGNORECASE)
 
 MIN_EXISTS_MATCH_COUNT = 2_000
-"""Number of jobs that meet a condition on another table from which each job is looked up (EXISTS) instead of naming all
-of them (IN): naming 2000 takes about 2 ms."""
+"""Number of jobs that meet a condition from which each job is asked for it, in the order of the list, instead of naming
+all of them (IN): naming 2000 takes about 2 ms."""
 
 MAX_QUERY_CONDITIONS = 50
 """Largest number of conditions of one query; SQLite refuses some hundreds, PostgreSQL takes seconds for them."""
@@ -192,17 +191,13 @@ def find_jobs(
         name, falling = sort.removeprefix("-"), sort.startswith("-")
         field = TEXTS.get(name, NUMBERS.get(name))
         if field is not None:
-            return _first(session, statement, _as_text(name, field), falling, page)
+            has = field.is_not(None)
+            return _sort(session, (statement.where(has), statement.where(~has)), field, falling, page)
         _check_metric(session, name)
         metric = aliased(MetricRow)
-        on = (metric.job == JobRow.id) & (metric.name == name)
-        # Jobs with the metric are read by its index; the others are read only if these are too few.
-        known = _first(session, statement.join(metric, on & metric.value.is_not(None)), metric.value, falling, page)
-        return (
-            known
-            if len(known) == count
-            else _first(session, statement.outerjoin(metric, on), metric.value, falling, page)
-        )
+        on = (metric.job == JobRow.id) & (metric.name == name) & metric.value.is_not(None)
+        parts = (statement.join(metric, on), statement.where(~exists().where(on)))
+        return _sort(session, parts, metric.value, falling, page)
 
 
 @skip_damaged_rows
@@ -227,24 +222,39 @@ def find_roots(
 
 def _select(session: Session, conditions: Sequence[Condition], owner: str | None) -> Select[Any]:
     """Return the query for the jobs of an owner that meet every condition."""
-    statement: Select[Any] = (
-        select(JobRow)
-        .outerjoin(PatternRow, PatternRow.job == JobRow.id)
-        .outerjoin(MaterialRow, MaterialRow.id == PatternRow.material)
-        .outerjoin(BodyRow, BodyRow.job == JobRow.id)
-    )
+    statement: Select[Any] = select(JobRow)
     if owner is not None:
-        statement = statement.join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == owner)
+        statement = statement.where(_is_named(session, OwnerRow.job, OwnerRow.key == owner))
     for condition in conditions:
         statement = statement.where(_meets(session, condition))
     return statement
 
 
-def _first(session: Session, statement: Select[Any], column: Any, falling: bool, page: tuple[int, int]) -> list[JobRow]:
-    """Return the first jobs in the order of a column; the newest first among equals, and those without it last."""
-    order = column.desc() if falling else column.asc()
-    ordered = statement.order_by(order.nulls_last(), JobRow.created.desc(), JobRow.id)
-    return list(session.scalars(ordered.limit(page[0]).offset(page[1])))
+def _sort(
+    session: Session, parts: tuple[Select[Any], Select[Any]], column: Any, falling: bool, page: tuple[int, int]
+) -> list[JobRow]:
+    """Return a page of jobs in the order of a column, then of those without it, the newest first.
+
+    Among equals the newest job is first where the column falls, the oldest where it rises: so an index has them.
+
+    Args:
+        session: A transaction.
+        parts: The queries for the jobs that have the column, and for those that have not.
+        column: What they are sorted by.
+        falling: Whether the largest is first.
+        page: Largest number of jobs, and how many are skipped before them.
+    """
+    count, offset = page
+    order = list(dict.fromkeys((column, JobRow.created, JobRow.id)))
+    first = parts[0].order_by(*(one.desc() if falling else one.asc() for one in order))
+    known = list(session.scalars(first.limit(count).offset(offset)))
+    if len(known) == count:
+        return known
+    passed = offset + len(known)
+    if offset and not known:
+        passed = min(offset, session.scalar(select(func.count()).select_from(parts[0].subquery())) or 0)
+    rest = parts[1].order_by(JobRow.created.desc(), JobRow.id.desc())
+    return known + list(session.scalars(rest.limit(count - len(known)).offset(max(0, offset - passed))))
 
 
 def _read_time(text: str) -> float:
@@ -269,14 +279,10 @@ def _meets(session: Session, condition: Condition) -> ColumnElement[bool]:
     compare, name = OPERATORS[condition.operator], condition.name
     field = TEXTS.get(name, NUMBERS.get(name))
     if field is not None:
-        table = getattr(field, "class_", JobRow)
-        if table is JobRow:
-            return cast(ColumnElement[bool], compare(_as_text(name, field), _check_value(condition)))
-        row, pattern = aliased(table), aliased(PatternRow)
-        matches = compare(getattr(row, field.key), _check_value(condition))
-        if table is MaterialRow:
-            return _is_named(session, pattern.job, (pattern.material == row.id) & matches)
-        return _is_named(session, row.job, matches)
+        value, other = _check_value(condition), aliased(JobRow)
+        if _is_rare(session, other.id, compare(getattr(other, field.key), value)):
+            return JobRow.id.in_(select(other.id).where(compare(getattr(other, field.key), value)))
+        return cast(ColumnElement[bool], compare(field, value))
     if name == TAG:
         has = exists().where(JobTagRow.job == JobRow.id, JobTagRow.tag == _check_value(condition))
         return has if compare is operator.eq else ~has
@@ -291,10 +297,15 @@ def _is_named(session: Session, job: Any, matches: ColumnElement[bool]) -> Colum
     If many rows match, each job is looked up in the order of the jobs until enough are found; if few match, the index
     of the other table lists them at once. The reverse is slow in a long table.
     """
-    first = select(job).where(matches).limit(MIN_EXISTS_MATCH_COUNT).subquery()
-    if (session.scalar(select(func.count()).select_from(first)) or 0) < MIN_EXISTS_MATCH_COUNT:
+    if _is_rare(session, job, matches):
         return JobRow.id.in_(select(job).where(matches))
     return exists().where(job == JobRow.id, matches)
+
+
+def _is_rare(session: Session, job: Any, matches: ColumnElement[bool]) -> bool:
+    """Check whether so few rows match that all of them are named; at most `MIN_EXISTS_MATCH_COUNT` are counted."""
+    first = select(job).where(matches).limit(MIN_EXISTS_MATCH_COUNT).subquery()
+    return (session.scalar(select(func.count()).select_from(first)) or 0) < MIN_EXISTS_MATCH_COUNT
 
 
 def _check_value(condition: Condition) -> str | float:
@@ -308,11 +319,6 @@ def _check_value(condition: Condition) -> str | float:
     if isinstance(condition.value, str) and FORBIDDEN_CHARACTERS.search(condition.value):
         raise QueryBad(f"the value of '{condition.name}' contains a control character; leave it out.")
     return condition.value
-
-
-def _as_text(name: str, field: Any) -> Any:
-    """Cast the settings' JSON values to text."""
-    return field.cast(Text) if name in ("method", "preset") else field
 
 
 def _check_metric(session: Session, name: str) -> None:

@@ -15,6 +15,7 @@ from .families import make_children
 from .jobs import Claim, fail_with_result, succeed, write_fenced
 from .kinds import Kind, KindUnknown, find_kind
 from .kinds.redrape_request import REDRAPE
+from .listed import list_result
 from .models import (
     ArtifactRow,
     BodyRow,
@@ -81,8 +82,10 @@ def store_result(database: Database, store: Store, claim: Claim, kind: Kind, res
         outcome = kind.store(session, claim, result)
         if outcome.failure is not None:
             fail_with_result(session, claim, outcome.failure, outcome.summary)
+            list_result(session, claim.job)
             return State.FAILED
         succeed(session, claim, outcome.summary)
+        list_result(session, claim.job)
         make_children(session, claim.job, outcome.children)
         return State.SUCCEEDED
 

@@ -8,6 +8,7 @@ from typing import Any
 from .checking import DOUBTS
 from .database import Database, clock
 from .jobs import Claim, record, write_fenced
+from .listed import list_request, read_listed_settings
 
 DOUBTS_EVENT = "doubted"
 """Kind of the event that reports doubts about a job's files."""
@@ -32,6 +33,7 @@ def change_kind(database: Database, claim: Claim, kind: str, request: dict[str, 
         FenceLost: if another worker has claimed the job.
     """
     with database.write() as session:
-        write_fenced(session, claim, kind=kind, request=request, touched=clock())
+        write_fenced(session, claim, kind=kind, request=request, touched=clock(), **read_listed_settings(request))
+        list_request(session, claim.job, request)
         record(session, claim.job, "understood", understood=kind)
     return replace(claim, kind=kind, request=request)

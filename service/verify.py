@@ -11,8 +11,8 @@ from sqlalchemy.orm import Session
 
 from .damage import DamagedRow
 from .database import Database
-from .garbage import find_hashes
 from .models import ArtifactRow, JobRow, ScanRow, TemplateRow, UploadRow
+from .named_files import find_hashes
 from .store import ArtifactMissing, Store
 
 

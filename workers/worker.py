@@ -26,6 +26,7 @@ from ..core.run.errors import GarmentqError
 from ..service.audit import forget_accesses
 from ..service.clocks import ClockJumpGuard, clamp_future_times, read_clock
 from ..service.database import Database, DatabaseUnreachable, open_database
+from ..service.event_counts import settle_event_counts
 from ..service.families import release_waiting_jobs
 from ..service.home import use_home
 from ..service.logs import set_up_logs
@@ -136,6 +137,7 @@ class DispatcherStep(bootsteps.StartStopStep):
             self.last_purge = time.monotonic()
             forget_accesses(self.database)
             forget_messages(self.database)
+            settle_event_counts(self.database)
         return True
 
     def _do_duties(self) -> None:
