@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import click
 
+from ..core.body.measures_file import read_table_text
 from ..core.deliver.formats.registry import CHARTS, TABLE_UNITS
-from .export import ProductionOptions, production_options, read_options, read_table, write_production
+from .export import ProductionOptions, production_options, read_options, write_production
 from .options import gather
 from .size_table import read_sizes
 
@@ -23,7 +25,7 @@ class SizeOptions:
     table: str | None
     chart: str | None
     chosen: tuple[str, ...]
-    unit: str
+    unit: str | None
     sure: bool
     drape: bool
 
@@ -38,10 +40,10 @@ class SizeOptions:
             raise click.UsageError("--range is FIRST..LAST, as in -2..4.")
         options: dict[str, Any] = {"step": self.step, "first": int(found[1]), "last": int(found[2])}
         if self.table is not None:
-            options["sizes"] = read_sizes(read_table(self.table), self.unit)
+            options["sizes"] = read_sizes(read_table_text(Path(self.table)), self.unit or "", self.sure)
         chosen = {"chart": self.chart, "chosen": list(self.chosen), "is_sure": self.sure, "drape": self.drape}
         options |= {name: value for name, value in chosen.items() if value}
-        return options if self.unit == "cm" else options | {"unit": self.unit}
+        return options if self.unit in (None, "cm") else options | {"unit": self.unit}
 
 
 SIZE_OPTIONS = [
@@ -57,16 +59,16 @@ SIZE_OPTIONS = [
     click.option(
         "--table",
         type=click.Path(exists=True, dir_okay=False),
-        help="A table of sizes instead, CSV or JSON: name, bust, waist, hip, height, neck and more; units in its head.",
+        help="A table of sizes instead, CSV, JSON or YAML: name, bust, waist, hip, height, neck and more.",
     ),
     click.option("--chart", type=click.Choice(tuple(CHARTS)), help="A published chart of sizes instead."),
     click.option("--size", "chosen", multiple=True, help="Only this size of the table or chart; several times."),
     click.option(
         "--unit",
+        "--units",
+        "unit",
         type=click.Choice(tuple(TABLE_UNITS)),
-        default="cm",
-        show_default=True,
-        help="Unit of a table whose head names none, and of the grade table that is written.",
+        help="Unit of a table that names none, and of the grade table.  [default: detected, and cm]",
     ),
     click.option("--sure", is_flag=True, help="Take a table as it is that looks wrong."),
 ]

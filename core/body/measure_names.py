@@ -24,7 +24,7 @@ class MeasureKind:
 
     Attributes:
         quantity: What it is.
-        span: Least and largest value of a person from the age of four [m, kg or rad], by the extremes of ANSUR II
+        span: Least and largest value of a person from 86 cm of height [m, kg or rad], by the extremes of ANSUR II
             (adults) and of growth charts (children), widened. It tells units of length apart, no more.
         words: How it is called in tables, as `simplify` writes it, by language; `key` has the names of GarmentCode and
             FreeSewing.
@@ -45,7 +45,7 @@ def _angle(high: float, **words: str) -> MeasureKind:
 
 MEASURE_KINDS: dict[str, MeasureKind] = {
     "height": _length(
-        0.95, 2.35, en="height,body height,stature", de="hohe,korperhohe,korpergrosse,grosse", fr="stature,hauteur",
+        0.85, 2.35, en="height,body height,stature", de="hohe,korperhohe,korpergrosse,grosse", fr="stature,hauteur",
         it="altezza,statura", es="estatura,altura",
     ),
     "weight": MeasureKind(
@@ -77,7 +77,7 @@ MEASURE_KINDS: dict[str, MeasureKind] = {
     "calf": _length(0.19, 0.65, en="calf", de="wade,waden", fr="mollet", it="polpaccio", es="pantorrilla"),
     "ankle": _length(0.13, 0.42, en="ankle", de="knochel,fessel", fr="cheville", it="caviglia", es="tobillo"),
     "upper_arm": _length(
-        0.15, 0.62, en="upper arm,bicep,biceps,arm girth", de="oberarm,bizeps", fr="tour de bras,biceps",
+        0.15, 0.62, en="upper arm,top arm,bicep,biceps,arm girth", de="oberarm,bizeps", fr="tour de bras,biceps",
         it="circonferenza braccio,bicipite", es="contorno de brazo,contorno brazo,biceps",
     ),
     "wrist": _length(
@@ -96,6 +96,10 @@ MEASURE_KINDS: dict[str, MeasureKind] = {
     "shoulder_width": _length(
         0.22, 0.60, en="shoulder width,cross shoulder", de="schulterbreite", fr="largeur epaules,largeur d epaules",
         it="larghezza spalle", es="ancho hombros,ancho de hombros", key="shoulder w,shoulder to shoulder",
+    ),
+    "shoulder": _length(
+        0.06, 0.24, en="shoulder,shoulder length", de="schulter,schulterlange", fr="epaule,longueur epaule",
+        it="spalla,lunghezza spalla", es="hombro,largo hombro",
     ),
     "arm_length": _length(
         0.30, 0.95, en="arm length,sleeve length", de="armlange,armellange", fr="longueur bras,longueur manche",
@@ -122,12 +126,18 @@ MEASURE_KINDS: dict[str, MeasureKind] = {
     ),
     "head_length": _length(0.17, 0.38, en="nape to crown", key="head l"),
     "neck_width": _length(0.08, 0.30, en="neck width", key="neck w"),
-    "armscye_depth": _length(0.07, 0.34, en="armscye depth,armhole depth", de="armlochtiefe", key="armscye depth"),
+    "armscye_depth": _length(
+        0.07, 0.34, en="armscye depth,armhole depth,scye depth", de="armlochtiefe", key="armscye depth"
+    ),
     "back_width": _length(0.20, 0.95, en="back width", key="back width"),
     "waist_back_width": _length(0.18, 0.90, en="waist back width", key="waist back width"),
     "hip_back_width": _length(0.22, 1.00, en="hip back width", key="hip back width"),
     "waist_to_hip": _length(
         0.08, 0.36, en="waist to hip,hip depth", de="hufttiefe", key="hips line,waist to seat"
+    ),
+    "rise": _length(
+        0.13, 0.45, en="rise,body rise,crotch depth", de="sitzhohe,leibhohe", fr="montant,hauteur montant",
+        it="altezza cavallo", es="tiro,altura tiro",
     ),
     "hip_to_crotch": _length(0.02, 0.25, en="hip to crotch", key="crotch hip diff"),
     "seat_span": _length(0.08, 0.36, en="seat point distance", key="bum points"),

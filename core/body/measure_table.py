@@ -59,7 +59,7 @@ class MeasureTable:
     left: tuple[str, ...]
 
 
-def read_measure_table(text: str, unit: str = "") -> MeasureTable:
+def read_measure_table(text: str, unit: str = "", are_persons: bool = True) -> MeasureTable:
     """Read a table of measures.
 
     Lengths without a unit have the one unit of m, cm and mm in which all are a person's; a height may be in metres
@@ -69,6 +69,7 @@ def read_measure_table(text: str, unit: str = "") -> MeasureTable:
         text: CSV with commas, semicolons, tabs or bars, one measure or one size a line; a JSON object or list; YAML of
             two levels. Headings as in `MEASURE_KINDS`, numbers as `read_value` takes them.
         unit: The unit of lengths without one, of `UNITS`, or an empty text: found by their sizes.
+        are_persons: Whether values with units are to be a person's, too; sizes are checked with their export.
 
     Raises:
         MeasuresBad: where it is no table of measures, or a value of a measure is no number, or no person's.
@@ -88,7 +89,8 @@ def read_measure_table(text: str, unit: str = "") -> MeasureTable:
         })
         for one in found
     )  # fmt: skip
-    _check_spans(done)
+    if are_persons:
+        _check_spans(done)
     return MeasureTable(done, chosen, tuple(dict.fromkeys(left)))
 
 
@@ -114,6 +116,8 @@ def _read_row(row: Row, file_unit: str, left: list[str]) -> _FoundRow:
             continue
         name = _name_of(heading, text, headings)
         if not name:
+            if text == row.name:  # Größe, Taille: the size
+                continue
             left.append(keep_printable(f"{cell.heading.strip()[:40]}: {text[:40]}"))
             continue
         is_length = MEASURE_KINDS[name].quantity == Quantity.LENGTH
@@ -132,7 +136,7 @@ def _read_row(row: Row, file_unit: str, left: list[str]) -> _FoundRow:
 def _name_of(heading: str, text: str, headings: list[str]) -> str:
     """Return the measure that a heading means among all headings, or an empty text."""
     name = _meaning(heading, headings)
-    if simplify(heading) == "grosse":  # a German size, or a height
+    if name == "height" and simplify(heading) in ("grosse", "taille"):  # a size, or a height
         value = read_value(text)
         low, high = MEASURE_KINDS["height"].span
         is_height = value is not None and any(low <= value.number * scale <= high for scale in (1.0, 0.01, 0.001))

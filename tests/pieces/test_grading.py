@@ -12,6 +12,7 @@ import click
 import numpy as np
 import pytest
 from garmentq.cli.size_table import read_sizes
+from garmentq.core.body.measure_table import MeasuresUnclear
 from garmentq.core.deliver.formats.charts import PUBLISHED_CHARTS
 from garmentq.core.deliver.formats.errors import SizesBad, SizesUnclear
 from garmentq.core.deliver.formats.grade_table import make_grade_table, write_grade_table
@@ -222,19 +223,56 @@ def test_a_table_of_the_arm_refits_the_cap():
         ("name\tbust\twaist\thip\nM\t36.220472\t28.346457\t39.370079\n", "inch"),
         ("name;bust;waist;hip\nM;92,0;72,0;100,0\n", "cm"),
         ('[{"name": "M", "bust": 920, "waist": 720, "hip": 1000}]', "mm"),
+        ("name,bust,waist,hip\nM,0.92,0.72,1.0\n", ""),
+        ("size,bust,waist,hip\nM,920 mm,72,1 m\n", ""),
+        ("Größe;Brustumfang;Taillenumfang;Hüftumfang\nM;92,0;72,0;100,0\n", ""),
+        ("Taille;Tour de poitrine;Tour de taille;Hanches\nM;92,0;72,0;100,0\n", ""),
+        ("Taille;Tour de poitrine;Tour de taille;Hanches\n38;92;72;100\n", ""),
+        ("talla|pecho|cintura|cadera\nM|92|72|100\n", ""),
+        ("taglia,torace,vita,fianchi\nM,92,72,100\n", ""),
+        ("name: M\nbust: 92\nwaist: 72\nhip: 100\n", ""),
     ],
 )
 def test_units_stand_in_the_head(text, unit):
-    """Broken where a table in inches or millimetres is read as centimetres, or one with semicolons is refused."""
+    """Broken where a table in inches or millimetres is read as centimetres, or one with semicolons or headings of
+    another language is refused: whatever the reader of a person's measures takes, a table of sizes may have."""
     (line,) = read_sizes(text, unit)
-    assert line == {"name": "M", "bust": 92.0, "waist": 72.0, "hip": 100.0}
+    assert line == {"name": "38" if "38;" in text else "M", "bust": 92.0, "waist": 72.0, "hip": 100.0}
 
 
-@pytest.mark.parametrize("text", ["name,bra\nM,92\n", "bust,chest\n92,92\n", "name,bust [ell]\nM,2\n", "", "[1]"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "name,bra\nM,92\n",
+        "bust,chest\n92,92\n",
+        "name,bust,chest\nM,92,93\n",
+        "name,bust [ell]\nM,2\n",
+        "name,bust,inseam\nM,92,78\n",
+        "name,bust,gender\nM,92,female\n",
+        "",
+        "[1]",
+    ],
+)
 def test_a_head_that_nobody_knows_is_refused(text):
     """Broken where an unknown column is passed over, or two columns of one measure are."""
     with pytest.raises(click.UsageError):
         read_sizes(text)
+
+
+def test_a_table_of_sizes_asks_as_one_of_measures_does():
+    """Broken where a table that may be in inches is read in centimetres, its answer is not taken, or the arm's and
+    back's columns are lost on the way through the measures' words; a child's first size is no inch."""
+    text = "name,bust,waist,hip,height\nS,34,27,37,66\n"
+    with pytest.raises(MeasuresUnclear, match=r"inch: bust 86\.36 cm"):
+        read_sizes(text)
+    assert read_sizes(text, "inch")[0]["bust"] == 86.36 and read_sizes(text, is_sure=True)[0]["bust"] == 34.0
+    (line,) = read_sizes(
+        "name,bust,shoulder,scye depth,nape to waist,body rise,top arm,sleeve length\nM,88,12.2,21,41,28,28,58\n"
+    )
+    more = {"shoulder": 12.2, "armhole_depth": 21.0, "back_length": 41.0, "rise": 28.0, "upper_arm": 28.0}
+    assert line == {"name": "M", "bust": 88.0, "arm_length": 58.0} | more and SizeLine(**line)
+    rows = read_sizes("name,height,bust\n86,86,52\n116,116,60\n")
+    assert [row["height"] for row in rows] == [86.0, 116.0]
 
 
 @pytest.mark.parametrize(
