@@ -12,7 +12,7 @@ from .output import NewFile, writing
 
 @click.group("bodies")
 def command() -> None:
-    """List the built-in bodies, and write one as a mesh.
+    """List the built-in bodies, and write a body as a mesh or by its parameters.
 
     \b
     Example:
@@ -47,26 +47,40 @@ def list_bodies(as_json: bool) -> None:
 
 @command.command("export")
 @click.argument("spec")
-@click.option("-o", "--out", required=True, type=NewFile(), help="File, .ply.")
+@click.option("-o", "--out", required=True, type=NewFile(), help="File: .ply, or .json of Anny's parameters.")
 @json_option
 def export(spec: str, out: Path, as_json: bool) -> None:
     """Write a body as a mesh, and its joints as JSON beside it.
 
-    SPEC is builtin:female|male[,height=1.70][,weight=62][,pose=T|A|arms-down], or an .npz in SMPL's format.
+    SPEC is builtin:female|male[,height=1.70][,weight=62][,pose=T|A|arms-down], or the file of a body model: SMPL's,
+    SMPL-X's, MHR's or SOMA's .npz, or Anny's parameters, .json or .npz. A body by these is also written as .json.
 
     \b
     Example:
       garmentq bodies export builtin:female,height=1.70 -o body.ply
+      garmentq bodies export anny.npz -o anny.json
     """
     from ..core.body.body import JOINTS
     from ..core.body.builtin import builtin_body
-    from ..core.body.smpl import is_smpl, load_smpl
+    from ..core.body.models.model_file import load_body_model
+    from ..core.body.spec import is_body_model
     from ..core.deliver.export.meshes import write_ply
     from .terminal import print_json, print_note
 
-    if out.suffix.lower() != ".ply":
-        raise click.UsageError(f"'{out.name}' does not end in .ply; bodies are written as PLY.")
-    body = load_smpl(Path(spec)) if is_smpl(spec) else builtin_body(spec)
+    if out.suffix.lower() not in (".ply", ".json"):
+        raise click.UsageError(f"'{out.name}' ends neither in .ply nor in .json; bodies are written as these.")
+    body = load_body_model(Path(spec)) if is_body_model(spec) else builtin_body(spec)
+    if out.suffix.lower() == ".json":
+        from ..core.body.models.anny_file import write_anny
+
+        text = write_anny(body)
+        with writing(out):
+            out.write_text(text, encoding="utf-8")
+        if as_json:
+            print_json({"file": str(out), "source": body.source})
+        else:
+            print_note(f"{out}: Anny's parameters")
+        return
     joints = {name: [round(float(x), 6) for x in place] for name, place in zip(JOINTS, body.joints, strict=True)}
     beside = out.with_name(f"{out.stem}_joints.json")
     with writing(out):

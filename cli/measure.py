@@ -73,6 +73,7 @@ def _find_source(source: str, units: str | None, up: str | None, home: Path | No
         JobUnknown: if there is no such job.
     """
     from ..core.body.builtin import builtin_body
+    from ..core.body.models.anny_file import is_anny_file
     from ..core.garment.garmentcode import load_pattern
     from ..core.reuse.wear.bodies import find_file_body, read_body_file
 
@@ -81,7 +82,7 @@ def _find_source(source: str, units: str | None, up: str | None, home: Path | No
     path = Path(source)
     if not path.is_file():
         return _read_job(source, home)
-    if path.suffix.lower() == ".json":
+    if path.suffix.lower() == ".json" and not is_anny_file(path):
         return _Source(pattern=load_pattern(path))
     return _Source(find_file_body(read_body_file(path, units, up)))
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from ..core.body.body import Body
-from ..core.body.smpl import is_smpl, load_smpl
-from ..core.body.spec import BuiltinWearer, Wearer
+from ..core.body.models.model_file import load_body_model
+from ..core.body.spec import BuiltinWearer, Wearer, is_body_model
 from ..core.people.wearer import FoundWearer, fit_wearer
 from ..core.scan.contours.body_mismatch import find_misfit_warnings
 from ..core.scan.contours.garment import segment_garment
@@ -150,6 +150,6 @@ def find_wearer(body: Body | Wearer | None, pieces: ScanInput) -> FoundWearer | 
         from ..core.body.builtin import builtin_body
 
         return FoundWearer(builtin_body(body))
-    if body is not None and is_smpl(body):
-        return FoundWearer(load_smpl(body))
+    if body is not None and is_body_model(body):
+        return FoundWearer(load_body_model(body))
     return None if pieces.wearer is None else fit_wearer(pieces.wearer, pieces.cloth, labels=pieces.labels)

@@ -20,7 +20,7 @@ ROOMS = ("run", "geometry", "body", "scan", "garment", "cloth", "people", "judge
 """The rooms of core, from the lowest to the highest; `docs/architecture.md` has them in the same order."""
 
 INNER_ROOMS = {
-    "body": ("", "motion"),
+    "body": ("", "motion", "models"),
     "scan": ("", "contours"),
     "garment": ("", "pieces"),
     "recover": ("settings", "drape", "grade", "deform", "recovery", "case", "proved_corner", "state", "fit", ""),

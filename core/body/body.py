@@ -41,7 +41,8 @@ class Body:
         rest_weights: Skinning weights of the fitted model, shape [model_count, 24].
         heading: Rotation [3, 3] from the file's axes to a body that faces +z.
         parameters: Shape and pose parameters of the fitted model by name.
-        source: `builtin:female`, `mesh:NAME`, `form:NAME` (a dress form), `scan:NAME` (of a dressed person).
+        source: `builtin:female`, `mesh:NAME`, `form:NAME` (a dress form), `scan:NAME` (of a dressed person), or a body
+            model's, `smpl:NAME`, `anny:NAME`, `mhr:NAME`, `soma:NAME`.
         fit_rms: RMS distance of the fitted model to the given mesh, or to a dressed person's skin [m]; 0 if built in.
     """
 

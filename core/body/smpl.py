@@ -9,36 +9,25 @@ SMPL-X, with 55 joints, is reduced to these (`smplx.py`).
 
 from __future__ import annotations
 
-import zipfile
 from pathlib import Path
-from typing import IO
 
 import numpy as np
 
 from ..run.errors import BadInput
-from ..run.npy import read_array
 from .body import JOINT_PARENTS, Body
+from .model_arrays import MAX_MODEL_VERTEX_COUNT, PERSON_HEIGHT_RANGE, read_arrays
 from .skinning import skin
 from .smplx import is_smplx, reduce_smplx
 from .template import articulate, rotations_of, transforms_of
 
 REQUIRED_ARRAYS = ("v_template", "shapedirs", "posedirs", "J_regressor", "weights", "kintree_table", "f")
 PERSON_ARRAYS = ("betas", "pose", "trans")
-MAX_SMPL_VERTEX_COUNT = 50_000
-"""Largest number of vertices. SMPL has 6890; blend shapes of many more would exceed the memory."""
-SMPL_HEIGHT_RANGE = (0.8, 2.6)
-"""Height of a standing or sitting person [m]; others are in another unit or axis."""
 
 
 class SmplBad(BadInput):
     """The file is not a body in SMPL's format; give an .npz of plain arrays as docs/reference/files.md lists them."""
 
     code = "body.smpl_bad"
-
-
-def is_smpl(body: object) -> bool:
-    """Check by the name's ending whether a body is a file in SMPL's format, `.npz`."""
-    return str(body).lower().endswith(".npz")
 
 
 def load_smpl(path: Path) -> Body:
@@ -58,7 +47,7 @@ def load_smpl(path: Path) -> Body:
     Raises:
         SmplBad: where an array is missing, has another shape or kind, or the body has no person's height.
     """
-    data = _read(Path(path))
+    data = _check(read_arrays(Path(path), REQUIRED_ARRAYS, PERSON_ARRAYS, SmplBad), Path(path).name)
     rest = data["v_template"] + data["shapedirs"][:, :, : len(data["betas"])] @ data["betas"]
     joints = data["J_regressor"] @ rest
     rotations = rotations_of(data["pose"].reshape(24, 3))
@@ -69,7 +58,7 @@ def load_smpl(path: Path) -> Body:
     transforms = transforms_of(world, posed, joints)
     weights, faces = data["weights"], data["f"].astype(np.int64)
     vertices = skin(bent, weights, transforms)
-    if not SMPL_HEIGHT_RANGE[0] <= float(np.ptp(rest[:, 1])) <= SMPL_HEIGHT_RANGE[1]:
+    if not PERSON_HEIGHT_RANGE[0] <= float(np.ptp(rest[:, 1])) <= PERSON_HEIGHT_RANGE[1]:
         raise SmplBad(f"The body in {Path(path).name} is {np.ptp(rest[:, 1]):.2f} m high; give it in metres, y up.")
     front = world[0] @ np.array([0.0, 0.0, 1.0])
     yaw = np.arctan2(front[0], front[2])
@@ -88,37 +77,6 @@ def load_smpl(path: Path) -> Body:
         source=f"smpl:{Path(path).stem}",
         fit_rms=float(np.sqrt(((skin(rest, weights, transforms) - vertices) ** 2).sum(axis=1).mean())),
     )
-
-
-def _read(path: Path) -> dict[str, np.ndarray]:
-    """Read and check the arrays; the person's are zeros where the file has none."""
-    try:
-        with zipfile.ZipFile(path) as archive:
-            names = {name.removesuffix(".npy") for name in archive.namelist()}
-            missing = [name for name in REQUIRED_ARRAYS if name not in names]
-            if missing:
-                raise SmplBad(f"{path.name} lacks {', '.join(missing)}. {SmplBad().message}")
-            found = {}
-            for name in (*REQUIRED_ARRAYS, *(name for name in PERSON_ARRAYS if name in names)):
-                with archive.open(f"{name}.npy") as entry:
-                    found[name] = _read_array(entry, name, path.name)
-    except SmplBad:
-        raise
-    except Exception as error:  # zipfile, zlib, lzma and numpy's header reader fail in any way on a hostile file
-        raise SmplBad(f"{path.name} cannot be read: {str(error)[:100]}. {SmplBad().message}") from error
-    return _check(found, path.name)
-
-
-def _read_array(file: IO[bytes], name: str, of: str) -> np.ndarray:
-    """Read one array of numbers after its header; objects and arrays too large for a body are refused."""
-
-    def judge(shape: tuple[int, ...], kind: np.dtype) -> None:
-        if kind.hasobject or kind.kind not in "iuf":
-            raise SmplBad(f"{of}: {name} holds {kind}, not numbers (a sparse J_regressor must be saved dense).")
-        if int(np.prod(shape, dtype=object)) > MAX_SMPL_VERTEX_COUNT * 3 * 400:
-            raise SmplBad(f"{of}: {name} has the shape {shape}, too large for a body.")
-
-    return np.ascontiguousarray(read_array(file, judge), dtype=np.float64)
 
 
 def _check(found: dict[str, np.ndarray], name: str) -> dict[str, np.ndarray]:
@@ -143,7 +101,7 @@ def _check(found: dict[str, np.ndarray], name: str) -> dict[str, np.ndarray]:
     if faces.ndim != 2 or faces.shape[1] != 3 or not len(faces) or faces.min() < 0 or faces.max() >= count:
         raise SmplBad(f"{name}: f are no faces of {count} vertices. {SmplBad().message}")
     if (
-        not 100 <= count <= MAX_SMPL_VERTEX_COUNT
+        not 100 <= count <= MAX_MODEL_VERTEX_COUNT
         or not np.isfinite(directions).all()
         or not np.isfinite(found["betas"]).all()
     ):

@@ -8,6 +8,9 @@ from pathlib import Path
 BUILTIN = "builtin:"
 """Prefix of the description of a built-in body."""
 
+MODEL_FILE_SUFFIXES = (".npz", ".json")
+"""Ends of the names of body models' files; all other files of bodies are meshes."""
+
 
 @dataclass(frozen=True)
 class BuiltinWearer:
@@ -36,6 +39,11 @@ Wearer = Path | BuiltinWearer
 def is_builtin(text: str | None) -> bool:
     """Check whether a text describes a built-in body."""
     return text is not None and text.startswith(BUILTIN)
+
+
+def is_body_model(body: object) -> bool:
+    """Check by the name's ending whether a body is the file of a body model, and not a mesh."""
+    return str(body).lower().endswith(MODEL_FILE_SUFFIXES)
 
 
 def read_wearer(text: str | None) -> Wearer | None:

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from ..body.body import Body
-from ..body.smpl import is_smpl, load_smpl
+from ..body.models.model_file import load_body_model
+from ..body.spec import is_body_model
 from ..garment.garmentcode import load_pattern
 from ..garment.pattern import Pattern
 from ..run.records import read_record, write_record
@@ -86,8 +87,8 @@ def read_person_input(files: PersonFiles, limits: Limits | None = None) -> Perso
             f"{raw.name}; give one for each point of the scan's file, in its order."
         )
     wearer = body = None
-    if files.body is not None and is_smpl(files.body):
-        body = load_smpl(files.body)
+    if files.body is not None and is_body_model(files.body):
+        body = load_body_model(files.body)
     elif files.body is not None:
         wearer = load_scan(files.body, units=files.units, up=files.up, kind="body", limits=limits)
     return PersonInput(raw, label, wearer, body, {word: load_pattern(path) for word, path in files.patterns.items()})

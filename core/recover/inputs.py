@@ -6,7 +6,8 @@ from pathlib import Path
 
 from ..body.body import Body
 from ..body.builtin import BodyMissing
-from ..body.smpl import is_smpl, load_smpl
+from ..body.models.model_file import load_body_model
+from ..body.spec import is_body_model
 from ..garment.garmentcode import load_pattern
 from ..garment.pattern import Pattern
 from ..garment.reading import Reading
@@ -38,15 +39,15 @@ def read_files(request: Request, limits: Limits | None = None) -> ScanInput:
 
 
 def read_body(request: Request) -> Body | None:
-    """Read a body in SMPL's format, unless already read; None where the wearer is given in another form.
+    """Read the file of a body model, unless already read; None where the wearer is given in another form.
 
     Raises:
-        SmplBad: where the file is not a valid SMPL body.
+        BadInput: where the file is not a valid body model.
     """
     if request.reading is not None:
         return request.reading.body
     body = request.body
-    return load_smpl(body) if isinstance(body, Path) and is_smpl(body) else None
+    return load_body_model(body) if isinstance(body, Path) and is_body_model(body) else None
 
 
 def read_template(request: Request) -> Pattern | None:

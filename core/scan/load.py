@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..body.smpl import is_smpl, load_smpl
+from ..body.models.model_file import load_body_model
+from ..body.spec import is_body_model
 from ..geometry.connectivity import HalfEdges
 from ..geometry.geometry import vertex_normals
 from . import refusal
@@ -73,7 +74,7 @@ def load_pair(
     """Read a garment and the body that wears it, and find units and axes of both together.
 
     The body's size and shape decide; the garment has the same unit and axis, or else the only ones that put it on the
-    body, and is turned to face away from it. A body of SMPL's format (`.npz`) is in metres and y up.
+    body, and is turned to face away from it. A body model's file (`.npz`, `.json`) is in metres and y up.
 
     Raises:
         BadInput: with a code `scan.*` where a file cannot be used, or the garment is not on the body.
@@ -82,8 +83,8 @@ def load_pair(
         return load_scan(scan, units=units, up=up, limits=limits), None
     check_choice(units, up)
     garment_mesh = _read(Path(scan), limits or Limits())
-    if is_smpl(body):
-        model = load_smpl(Path(body))
+    if is_body_model(body):
+        model = load_body_model(Path(body))
         wearer = Scan(model.vertices, model.faces, name=Path(body).stem)
         garment = _place(garment_mesh, wearer, (units or "m", up or "y"), units is not None, up is not None)
         return _face_outward(garment, wearer), wearer

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..body.smpl import is_smpl, load_smpl
+from ..body.models.model_file import load_body_model
+from ..body.spec import is_body_model
 from . import refusal
 from .cut import cut_garment
 from .labels import read_labels
@@ -71,8 +72,8 @@ def load_scan_input(
         garment = _note_skin_labels(garment, labels[~cloth])
     if body is None:
         return ScanInput(garment, whole, cloth, labels)
-    if is_smpl(body):
-        model = load_smpl(Path(body))
+    if is_body_model(body):
+        model = load_body_model(Path(body))
         wearer = Scan(model.vertices, model.faces, name=Path(body).stem)
     else:
         wearer = load_scan(body, units=units, up=up, kind="body", limits=limits)

@@ -14,6 +14,7 @@ from fastapi import APIRouter, Query, Request, Response
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import ClientDisconnect
 
+from ...core.body.spec import is_body_model
 from ...core.run.errors import BadInput
 from ..deletion import Deleted, delete_upload
 from ..private import make_private
@@ -29,7 +30,7 @@ router = APIRouter(tags=["files"])
 
 KINDS = {
     "scans": ("scan", "a scan"),
-    "bodies": ("body", "a wearer's mesh"),
+    "bodies": ("body", "a wearer's mesh or body model"),
     "labels": ("labels", "a label file"),
     "patterns": ("pattern", "a pattern file"),
     "motions": ("motion", "a motion"),
@@ -139,7 +140,7 @@ def _check(kind: str, path: Path, name: str) -> None:
     if kind in EXTENSIONS:
         if path.suffix not in EXTENSIONS[kind]:
             raise FileRefused(f"{name} does not end in {' '.join(EXTENSIONS[kind])}.")
-    else:
+    elif kind != "bodies" or not is_body_model(path):
         from ...core.scan.header import check_extension
 
         check_extension(Path(name))

@@ -142,7 +142,7 @@ def _draw_drop(rooms: AppState, visitor: Visitor) -> Html:
     methods = join(html("<option>{}</option>", name) for name in METHODS)
     units = join((html("<option>{}</option>", name) for name in UNITS), "")
     redrapes = join(html("<option>{}</option>", name) for name in REDRAPES)
-    scans, bodies = ([f".{name}" for name in names] for names in ((*FORMATS, *CLOUDS), (*FORMATS, "npz")))
+    scans, bodies = ([f".{name}" for name in names] for names in ((*FORMATS, *CLOUDS), (*FORMATS, "npz", "json")))
     return html(DROP, fabrics=fabrics, qualities=qualities, methods=methods, redrapes=redrapes, units=units,
                 scans=",".join(scans), bodies=",".join(bodies),
                 formats=", ".join((*FORMATS, *CLOUDS)).upper())  # fmt: skip

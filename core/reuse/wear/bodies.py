@@ -9,9 +9,9 @@ from typing import Any
 from ...body.body import Body
 from ...body.builtin import builtin_body
 from ...body.dress_form import register_wearer
+from ...body.models.model_file import load_body_model
 from ...body.posing import pose_body
-from ...body.smpl import is_smpl, load_smpl
-from ...body.spec import BuiltinWearer
+from ...body.spec import BuiltinWearer, is_body_model
 from ...run.hooks import SILENT_HOOKS, Hooks
 from ...scan.limits import Limits
 from ...scan.load import load_scan
@@ -20,7 +20,7 @@ from ...scan.scan import Scan, describe_scan
 
 @dataclass(frozen=True)
 class BodyFile:
-    """Describe a body's file: the mesh of a person, or the person if it is in SMPL's format and has its own
+    """Describe a body's file: the mesh of a person, or the person if it is of a body model and has its own
     skeleton."""
 
     mesh: Scan | None = None
@@ -31,7 +31,7 @@ def read_body_file(path: Path, units: str | None, up: str | None, limits: Limits
     """Read the file of a body.
 
     Args:
-        path: A mesh, or an `.npz` in SMPL's format.
+        path: A mesh, or the file of a body model.
         units: Unit of the file, a name of `UNITS`, or None to find it.
         up: Its upward axis, or None to find it.
         limits: Limits of the file.
@@ -39,14 +39,16 @@ def read_body_file(path: Path, units: str | None, up: str | None, limits: Limits
     Raises:
         BadInput: where it cannot be used.
     """
-    if is_smpl(path):
-        return BodyFile(body=load_smpl(path))
+    if is_body_model(path):
+        return BodyFile(body=load_body_model(path))
     return BodyFile(load_scan(path, units=units, up=up, kind="body", limits=limits))
 
 
 def describe_body_file(file: BodyFile) -> dict[str, Any]:
     """Return how the file was interpreted, as JSON values."""
-    return {"body": {"format": "smpl"} if file.mesh is None else describe_scan(file.mesh)}
+    if file.body is not None:
+        return {"body": {"format": file.body.source.partition(":")[0]}}
+    return {"body": describe_scan(file.mesh)} if file.mesh is not None else {"body": {}}
 
 
 def find_file_body(file: BodyFile, hooks: Hooks = SILENT_HOOKS) -> Body | None:
