@@ -31,6 +31,7 @@ def make_files() -> dict[str, bytes]:
     from garmentq.core.garment.garmentcode_writer import write_pattern
     from garmentq.core.garment.templates import load_template
 
+    from ..body.made_up_rigs import make_mhr, make_soma
     from ..motion.foreign import make_reference, name_plainly, write_bvh
 
     mesh = trimesh.creation.cylinder(radius=0.2, height=0.6, sections=8)
@@ -50,6 +51,11 @@ def make_files() -> dict[str, bytes]:
     body = io.BytesIO()
     np.savez(body, v_template=mesh.vertices, f=mesh.faces, J=np.zeros((24, 3)), weights=np.ones((count, 24)) / 24)
     files["body.npz"] = body.getvalue()
+    files["body.json"] = json.dumps({"age": 0.7, "pose_parameters": {"root": np.eye(4).tolist()}}).encode()
+    for name, make in {"mhr": make_mhr, "soma": make_soma}.items():
+        kept = io.BytesIO()
+        np.savez(kept, **make())
+        files[f"body_{name}.npz"] = kept.getvalue()
     files["keys.json"] = json.dumps({"fps": 30, "frames": [{"pelvis": [0, 0, 0]}]}).encode()
     files["walk.bvh"] = (
         b"HIERARCHY\nROOT Hips\n{\n OFFSET 0 0 0\n"
@@ -86,8 +92,8 @@ def mutate(content: bytes, random: np.random.Generator) -> bytes:
 
 def read(path: Path) -> None:
     """Read a file as the job's first stage does."""
+    from garmentq.core.body.models.model_file import load_body_model
     from garmentq.core.body.motion.read import load_motion
-    from garmentq.core.body.smpl import load_smpl
     from garmentq.core.garment.garmentcode import load_pattern
     from garmentq.core.scan.labels import read_labels
     from garmentq.core.scan.limits import Limits
@@ -100,8 +106,8 @@ def read(path: Path) -> None:
         read_labels(path, None, limits)
     elif kind == "pattern":
         load_pattern(path)
-    elif kind == "body":
-        load_smpl(path)
+    elif kind.startswith("body"):
+        load_body_model(path)
     elif kind in ("keys", "walk", "person"):
         load_motion(path)
     elif kind == "cloud":

@@ -1,4 +1,4 @@
-"""Read a body from the file of a body model, whichever it is: SMPL, SMPL-X or Anny."""
+"""Read a body from the file of a body model, whichever it is: SMPL, SMPL-X, Anny, MHR or SOMA."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from ..model_arrays import list_arrays
 from ..smpl import SmplBad, load_smpl
 from .anny import PHENOTYPES
 from .anny_file import load_anny
+from .mhr import load_mhr
+from .soma import load_soma
 
 
 def load_body_model(path: Path) -> Body:
@@ -21,4 +23,8 @@ def load_body_model(path: Path) -> Body:
     if path.suffix.lower() == ".json":
         return load_anny(path)
     names = list_arrays(path, SmplBad)
+    if "bind_shape" in names:
+        return load_soma(path)
+    if "base_shape" in names:
+        return load_mhr(path)
     return load_anny(path) if names & set(PHENOTYPES) else load_smpl(path)
