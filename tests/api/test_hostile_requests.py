@@ -35,7 +35,7 @@ def test_bad_files_are_refused(client, settings, database, tmp_path, monkeypatch
         shown = client.get(f"/v1/jobs/{answer.json()['job']}")
         found = shown.json()
         assert found["bad_input"] and found["stage"] == "check", (name, found)
-        assert found["error"]["code"].startswith("scan."), (name, found)
+        assert found["error"]["code"].startswith(("scan.", "body.")), (name, found)
         assert str(settings.home) not in shown.text and "Traceback" not in shown.text, name
 
     for name, content in FILES.items():
@@ -48,6 +48,11 @@ def test_bad_files_are_refused(client, settings, database, tmp_path, monkeypatch
     for name, content in PICKLES.items():
         labels = client.post("/v1/labels", params={"name": name}, content=content).json()["sha256"]
         refuse(name, scan=scan, labels=labels, settings={"keep": "1"})
+        assert not (tmp_path / "pickled").exists(), name
+    models = {name: content for name, content in PICKLES.items() if name.endswith(".npz")}
+    for name, content in (models | {"old.json": b'{"age": 7}', "deep.json": b'{"a":' * 9000}).items():
+        given = client.post("/v1/bodies", params={"name": name}, content=content).json()["sha256"]
+        refuse(name, scan=scan, body=given)
         assert not (tmp_path / "pickled").exists(), name
     assert list((settings.home / "incoming").iterdir()) == [] and list((settings.home / "work").iterdir()) == []
     assert client.get("/healthz").status_code == 200
