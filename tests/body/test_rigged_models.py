@@ -79,6 +79,11 @@ def test_mhrs_parameters_pose_it_as_momentum_does(tmp_path):
     turns = body.transforms[:, :3, :3]
     assert np.abs(turns @ np.swapaxes(turns, 1, 2) - np.eye(3)).max() < 1e-9
     assert body.parameters["model_parameters"].tolist() == parameters.tolist()
+    coefficients = data.pop("identity_coeffs")
+    sam = load(tmp_path, data | {"shape_params": coefficients, "mhr_model_params": parameters})
+    assert np.array_equal(sam.vertices, body.vertices)
+    with pytest.raises(BodyModelBad, match="without the model's arrays"):
+        load(tmp_path, {"shape_params": coefficients, "mhr_model_params": parameters})
 
 
 def test_somas_coefficients_move_vertices_and_joints(tmp_path):

@@ -7,7 +7,7 @@ facing +z: `base_shape` [n, 3], `shape_vectors` [s, n, 3], `faces` [f, 3], `join
 `inverse_bind_pose` [j, 8] (translation, quaternion x y z w, scale), and of each influence `vert_indices_flattened`,
 `skin_indices_flattened`, `skin_weights_flattened`. Of the person `identity_coeffs` [<= s] and, with
 `joint_translation_offsets` [j, 3], `joint_prerotations` [j, 4] and `parameter_transform` [7 j, p],
-`model_parameters` [204].
+`model_parameters` [204]; or both by the names that SAM 3D Body has, `shape_params` and `mhr_model_params`.
 """
 
 from __future__ import annotations
@@ -37,6 +37,8 @@ MHR_ARRAYS = (
 )  # fmt: skip
 MHR_POSE_ARRAYS = ("joint_translation_offsets", "joint_prerotations", "parameter_transform")
 MHR_PERSON_ARRAYS = ("identity_coeffs", "model_parameters")
+SAM_NAMES = {"shape_params": "identity_coeffs", "mhr_model_params": "model_parameters"}
+"""Names of a person's arrays in the output of SAM 3D Body, and those of MHR."""
 
 MAX_BONE_SCALE = 4.0
 """Largest scale of a bone that is a person's, and inverse of the least [1]: a child's limbs are half an adult's."""
@@ -62,7 +64,8 @@ def load_mhr(path: Path) -> Body:
     Raises:
         BodyModelBad: where an array is missing, has another shape or kind, or the body has no person's height.
     """
-    found = read_arrays(path, MHR_ARRAYS, (*MHR_PERSON_ARRAYS, *MHR_POSE_ARRAYS))
+    found = read_arrays(path, MHR_ARRAYS, (*MHR_PERSON_ARRAYS, *SAM_NAMES, *MHR_POSE_ARRAYS))
+    found |= {own: found[name] for name, own in SAM_NAMES.items() if name in found and own not in found}
     count, joint_count = len(found["base_shape"]), len(found["joint_parents"])
     if not 100 <= count <= MAX_MODEL_VERTEX_COUNT:
         raise BodyModelBad(f"{path.name} has {count} vertices. {BodyModelBad().message}")
