@@ -1,29 +1,97 @@
 """A program's client of the HTTP API: the operations of `RemoteBackend`, and all other routes.
 
-with Client("http://127.0.0.1:8080", key="gq_...") as service:
-    found = service.match("3685ecfd4f81", "tshirt", pairs={"front": "front"})
-    print([pair["outline_mm"] for pair in found["pairs"]])
+import garmentq
+with garmentq.Client("http://127.0.0.1:8080", key="gq_...") as service:
+    job = service.recover("scan.ply", name="anna", tags=["march"]).wait()
+    print(job.pattern.panels, job.mesh("detail").vertices.shape)
 """
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
+from dataclasses import fields
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
+from ..core.body.spec import read_wearer
+from ..core.recover.settings import RecoverySettings, SettingsBad, complete_by_quality
 from .connection import ServiceUnreachable
 from .deletion import Deleted
+from .job_handle import JobHandle
+from .opening import find_key
+from .order import Order
 from .persons import Person, PersonDeleted
 from .remote import RemoteBackend, read_submitted
 from .remote_libraries import read
+from .settings import read_settings
 from .submission import SubmissionResult
+from .terms import JobTerms
 
 __all__ = ["Client"]
 
 
 class Client(RemoteBackend):
     """Call every route of a service. Every refusal is a `GarmentqError` with the service's code."""
+
+    def __init__(self, url: str = "", key: str | None = None) -> None:
+        """Prepare a client; nothing is sent before the first request.
+
+        Args:
+            url: Address of the service, `http://host:port`; empty: that of GARMENTQ_URL.
+            key: Token of an API key. None: that of GARMENTQ_API_KEY, or of the home for a service on this machine.
+
+        Raises:
+            ServiceUnreachable: if the address is invalid.
+        """
+        settings = read_settings()
+        address = url or os.environ.get("GARMENTQ_URL", "")
+        super().__init__(address, find_key(address, settings) if key is None else key)
+
+    def __repr__(self) -> str:
+        """Return a short description, without the key."""
+        return f"<Client {self._connection.address}>"
+
+    def recover(
+        self,
+        scan: str | Path,
+        body: str | Path | None = None,
+        *,
+        name: str = "",
+        tags: Sequence[str] = (),
+        given_as: str | None = None,
+        quality: str | None = None,
+        **settings: Any,
+    ) -> JobHandle:
+        """Upload a scan, queue its recovery, and return the job.
+
+        Args:
+            scan: File of a dressed person or of a garment.
+            body: The wearer of a garment: a file, or `builtin:female,height=1.70`.
+            name: Name of the job; empty: that of the file.
+            tags: Words by which it can be found.
+            given_as: `person` or `garment`; None: found out.
+            quality: `preview`, `standard` or `fine`; None: `standard`.
+            settings: Fields of `RecoverySettings`, as `method="deform"`.
+
+        Raises:
+            SettingsBad: if a setting is unknown or cannot be used; the message has the nearest name.
+            GarmentqError: with the code of what else cannot be used.
+        """
+        wearer = read_wearer(str(body)) if body is not None else None
+        chosen = _make_settings(quality, settings)
+        order = Order(Path(scan), wearer, settings=chosen, given_as=given_as, terms=JobTerms(name, tuple(tags)))
+        return JobHandle(self, self.submit(self.check_order(order, chosen.template)).job)
+
+    def job(self, job: str) -> JobHandle:
+        """Return a job by its id or a beginning of it.
+
+        Raises:
+            JobUnknown: if there is none.
+        """
+        return JobHandle(self, job)
 
     def match(
         self,
@@ -137,3 +205,14 @@ class Client(RemoteBackend):
         if not isinstance(found, dict):
             raise ServiceUnreachable("the server is not a garmentq service: its response cannot be read.")
         return found
+
+
+def _make_settings(quality: str | None, values: Mapping[str, Any]) -> RecoverySettings:
+    """Return settings by their fields' names."""
+    known = [one.name for one in fields(RecoverySettings)]
+    for name in values:
+        if name not in known:
+            near = get_close_matches(name, known, 1)
+            meant = f" Did you mean '{near[0]}'?" if near else f" There are {', '.join(known)}."
+            raise SettingsBad(f"there is no setting '{name}'.{meant}")
+    return RecoverySettings(**complete_by_quality(quality, values))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from time import time
 
@@ -111,7 +111,7 @@ def _delete_all(database: Database, left: list[str], deleted: list[str]) -> None
 def delete_upload(database: Database, store: Store, sha256: str, key: str = "") -> Deleted:
     """Delete a key's upload of a file, and the file if no job names it."""
     started = time()
-    count = forget_upload(database, sha256, key)
+    count = forget_uploads(database, {sha256}, key)
     return remove_files(database, store, {sha256}, Deleted(uploads=count), started)
 
 
@@ -163,10 +163,10 @@ def _forget_scans(database: Database, files: Iterable[str]) -> None:
         session.execute(delete(ScanRow).where(ScanRow.sha256.in_(list(files)), unused))
 
 
-def forget_upload(database: Database, sha256: str, key: str) -> int:
-    """Delete the rows of a key's (empty: any key's) uploads of a file; return how many."""
+def forget_uploads(database: Database, files: Collection[str], key: str) -> int:
+    """Delete the rows of a key's (empty: any key's) uploads of some files; return how many."""
     with database.write() as session:
-        matches = UploadRow.sha256 == sha256
+        matches = UploadRow.sha256.in_(files)
         rows = session.scalars(select(UploadRow).where(matches & (UploadRow.key == key) if key else matches)).all()
         for row in rows:
             session.delete(row)

@@ -19,7 +19,7 @@ from ..core.run.errors import BadInput, GarmentqError, NotFound, Unavailable
 from ..core.run.verdict import Verdict, worst_verdict
 from .database import Database, change_rows, clock, skip_damaged_rows, starts_with
 from .fairness import choose_job
-from .listed import list_request, read_listed_settings
+from .listed import RESULT_FIELDS, list_request, read_listed_settings
 from .models import EventRow, JobInputRow, JobRow, JobTagRow, JobWaitRow, OutboxRow
 from .new_job import NewJob
 from .outage import find_pause
@@ -36,8 +36,7 @@ WORKER_LOST_CODE, WORKER_LOST_EVENT = "job.worker_lost", "worker_lost"
 RETRY_DEFAULTS = {
     "attempts": 0, "cancel": False, "finished": None, "stage": "", "progress": 0.0, "overall": 0.0,
     "bad_input": False, "error_code": None, "error_message": None, "verdict": None, "result": None,
-    "delays": 0, "delay_code": None, "not_before": None, "garment": None, "template": None, "fabric": None,
-    "body": None, "cpu_seconds": None, "peak_mb": None,
+    "delays": 0, "delay_code": None, "not_before": None, **dict.fromkeys(RESULT_FIELDS),
 }  # fmt: skip
 """Values that are reset when an ended job is retried."""
 
@@ -120,7 +119,6 @@ def create(session: Session, new: NewJob) -> JobRow:
         **read_listed_settings(new.request),
     )
     session.add(row)
-    session.flush()
     list_request(session, job, new.request)
     session.add_all(JobTagRow(job=job, tag=tag) for tag in new.tags)
     session.add_all(JobInputRow(job=job, name=name, input=read) for name, read in new.inputs.items())

@@ -13,6 +13,8 @@ from .named_files import find_hashes
 
 LISTED_SETTINGS = ("method", "preset")
 LISTED_COSTS = ("cpu_seconds", "peak_mb")
+RESULT_FIELDS = ("garment", "template", "fabric", "body", *LISTED_COSTS)
+"""Columns that a job has from its result; a job that is retried has none."""
 
 
 def read_listed_settings(request: Mapping[str, Any]) -> dict[str, str | None]:
@@ -29,6 +31,7 @@ def read_listed_costs(result: Mapping[str, Any]) -> dict[str, float | None]:
 
 def list_request(session: Session, job: str, request: Mapping[str, Any]) -> None:
     """Store which files a job's request names."""
+    session.flush()
     session.execute(delete(JobFileRow).where(JobFileRow.job == job))
     session.add_all(JobFileRow(job=job, sha256=key) for key in sorted(set(find_hashes(request))))
 

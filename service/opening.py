@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import tempfile
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
@@ -53,12 +54,14 @@ def open_result(source: str | Path, *, key: str | None = None, home: str | Path 
     if found := PLACE.match(text):
         from .remote import RemoteBackend
 
-        token = _find_key(found["base"], settings) if key is None else key
-        return _read(RemoteBackend(found["base"], token), found["job"])
-    return _read(open_backend(settings), text)
+        token = find_key(found["base"], settings) if key is None else key
+        with closing(RemoteBackend(found["base"], token)) as remote:
+            return read_result(remote, found["job"])
+    with closing(open_backend(settings)) as backend:
+        return read_result(backend, text)
 
 
-def _find_key(url: str, settings: ServiceSettings) -> str:
+def find_key(url: str, settings: ServiceSettings) -> str:
     """Return the token for a service; a token for another service is not sent to it."""
     known = os.environ.get("GARMENTQ_URL", "")
     api_key = os.environ.get("GARMENTQ_API_KEY", "")
@@ -67,20 +70,21 @@ def _find_key(url: str, settings: ServiceSettings) -> str:
     return find_local_token(url, settings.home)
 
 
-def _read(backend: Backend, job: str) -> StoredResult:
-    """Read the result of a job; only the files that are read are copied."""
+def read_result(backend: Backend, job: str) -> StoredResult:
+    """Read the result of a garment's job; only the files that are read are copied.
+
+    Raises:
+        InputWrong: if it is a person's, whose garments have jobs of their own.
+    """
     from ..core.deliver.export.stored_result import FILES, load_result
     from ..core.reuse.wear.worn import WORN_FILE_NAME
 
-    try:
-        report = backend.find_job(job)
-        names = {file.name for file in backend.list_artifacts(report.id)}
-        if report.children and WORN_FILE_NAME not in names:
-            below = ", ".join(f"{child.name} {child.job}" for child in report.children)
-            raise InputWrong(f"job {report.id} is a job '{report.kind}'; open one of the jobs below it: {below}.")
-        with tempfile.TemporaryDirectory(prefix="garmentq-result-") as folder:
-            file_names = [name for name in FILES if name in names] or [WORN_FILE_NAME]
-            backend.export_files(report.id, Path(folder), file_names)
-            return load_result(Path(folder))
-    finally:
-        backend.close()
+    report = backend.find_job(job)
+    names = {file.name for file in backend.list_artifacts(report.id)}
+    if report.children and WORN_FILE_NAME not in names:
+        below = ", ".join(f"{child.name} {child.job}" for child in report.children)
+        raise InputWrong(f"job {report.id} is a job '{report.kind}'; open one of the jobs below it: {below}.")
+    with tempfile.TemporaryDirectory(prefix="garmentq-result-") as folder:
+        file_names = [name for name in FILES if name in names] or [WORN_FILE_NAME]
+        backend.export_files(report.id, Path(folder), file_names)
+        return load_result(Path(folder))

@@ -12,7 +12,7 @@ from sqlalchemy.orm import Session
 
 from ..core.run.errors import NotFound
 from .database import Database, starts_with
-from .deletion import Deleted, delete_jobs, find_dependent_jobs, forget_upload, remove_files
+from .deletion import Deleted, delete_jobs, find_dependent_jobs, forget_uploads, remove_files
 from .jobs import IDS_AT_ONCE, find_jobs_by_id
 from .models import JobFileRow, JobRow, OwnerRow, ScanRow, UploadRow
 from .query import FORBIDDEN_CHARACTERS
@@ -108,7 +108,7 @@ def delete_person(
         return PersonDeleted(found=found, dry_run=True)
     started = time()
     done = delete_jobs(database, store, roots, key)
-    uploads = sum(forget_upload(database, one, key) for one in found.files)
+    uploads = forget_uploads(database, found.files, key)
     rest = remove_files(database, store, set(found.files), Deleted(done.jobs, uploads), started)
     files, size, young = done.files + rest.files, done.size + rest.size, done.young + rest.young
     return PersonDeleted(done.jobs, uploads, files, size, young, found)

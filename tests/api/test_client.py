@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import re
 from pathlib import Path
@@ -191,3 +192,42 @@ def test_a_persons_job_names_its_garments(service, finished, settings, monkeypat
         garmentq.open_result(finished, home=settings.home)
     with pytest.raises(ResultMissing):
         garmentq.open_result(made["upper"], home=settings.home)
+
+
+def test_ten_lines_lead_from_a_scan_to_a_pattern(service, finished, settings, tmp_path, monkeypatch):
+    """Broken where a job's handle shows another result, waits for ever, or a person's garments are not named."""
+    with garmentq.Client(service.url, make_local_token(settings.home)) as client:
+        job = client.job(finished[:6]).wait(5.0)
+        assert job.pattern.name == "tube" and job.mesh("detail").vertices.shape[1] == 3
+        assert job.metrics == job.report.metrics and list(job.garments) == [job.name]
+        assert job.read_file("pattern.svg").startswith(b"<")
+        assert repr(job) == f"<JobHandle {finished} 'skirt' succeeded>" and repr(client) == f"<Client {service.url}>"
+        scan = tmp_path / "a.ply"
+        scan.write_bytes(make_ply())
+        new = client.recover(
+            scan, "builtin:female,height=1.70", name="mine", tags=["t"], quality="preview", method="deform"
+        )
+        assert (new.name, new.state, new.report.tags) == ("mine", "queued", ["t"])
+        assert (new.report.settings["method"], new.report.settings["vertex_count"]) == ("deform", 2000)
+        with pytest.raises(GarmentqError, match="has not ended"):
+            new.wait(0.0)
+        with pytest.raises(GarmentqError, match=r"is queued; `wait\(\)`"):
+            _ = new.pattern
+        assert new.cancel().state == "cancelled"
+        with pytest.raises(GarmentqError, match="no result"):
+            new.wait()
+        with pytest.raises(GarmentqError, match="Did you mean 'method'"):
+            client.recover(scan, methd="deform")
+
+
+def test_many_scans_are_waited_for_at_once(service, finished, settings):
+    """Broken where the asynchronous client blocks the loop, or gives another result than the other."""
+
+    async def ask() -> tuple[str, int]:
+        async with garmentq.AsyncClient(service.url, make_local_token(settings.home)) as client:
+            jobs = await asyncio.gather(*(client.job(finished) for _ in range(3)))
+            done = await asyncio.gather(*(job.wait(5.0) for job in jobs))
+            queue = await client.call(client.client.read_queue)
+            return (await done[0].result()).pattern.name, queue.states["succeeded"]
+
+    assert asyncio.run(ask()) == ("tube", 1)
