@@ -49,6 +49,10 @@ class Evidence(StrEnum):
     HIDDEN = "hidden"
 
 
+SEEN_ON_CLOTH = (Evidence.COLOUR, Evidence.STRIPES, Evidence.CURVATURE)
+"""What shows a seam between two panels."""
+
+
 @dataclass(frozen=True)
 class LineInterval:
     """Describe how sure a line of a pattern is.
@@ -162,14 +166,17 @@ def has_sure_lines(gates: Sequence[Gate]) -> bool:
 
 
 def find_margins(name: str, evidence: Evidence, known: Mapping[tuple[str, Evidence], Margins]) -> Margins | None:
-    """Return the margins of a line; None where nothing shows it.
+    """Return the margins of a line; None where nothing shows it. Where no errors of a line seen by its colours or stripes
+    are known, they are those of one that is placed by proportions, which are wider.
 
     Args:
         name: Of the line.
         evidence: What decides where it is.
         known: Margins by kind and evidence.
     """
-    return None if evidence is Evidence.HIDDEN else known.get((name, evidence), known.get(("", evidence)))
+    tried = [evidence, *([Evidence.PROPORTION] if evidence in SEEN_ON_CLOTH else [])]
+    kinds = [] if evidence is Evidence.HIDDEN else [(one, word) for word in tried for one in (name, "")]
+    return next((known[kind] for kind in kinds if kind in known), None)
 
 
 def measure_intervals(pattern: Pattern, lines: Sequence[tuple[PatternLine, Evidence]]) -> tuple[LineInterval, ...]:

@@ -65,6 +65,10 @@ def test_each_kind_has_the_margin_of_its_own_errors() -> None:
     assert new.place < leg.place < 0.3, "one leg hem was 30 cm off"
     assert find_margins("hem", Evidence.HIDDEN, known) is None
     assert find_margins("hem", Evidence.COLOUR, known) is None
+    drafted = {("hem", Evidence.PROPORTION): hem, ("", Evidence.PROPORTION): cuff}
+    assert (
+        find_margins("hem", Evidence.COLOUR, drafted) is hem and find_margins("neck", Evidence.STRIPES, drafted) is cuff
+    )
 
 
 def test_what_shows_a_line_is_found(shirt: Garment) -> None:
