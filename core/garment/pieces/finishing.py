@@ -1,7 +1,9 @@
-"""Draft the pieces that finish a garment's openings and are no panels of its pattern: ribs, facings, bindings.
+"""Draft the pieces that finish a garment's openings and are no panels of its pattern: ribs, facings, bindings,
+linings of hoods.
 
-A cloth that stretches gets ribs, shorter than their edges; any other gets facings at neck and front, and bias bindings
-at armholes (H. Joseph-Armstrong, Patternmaking for Fashion Design, facings and knits)."""
+A cloth that stretches gets ribs, shorter than their edges, and a casing at its hood; any other gets facings at neck and
+front, bias bindings at armholes, and a hood's lining (H. Joseph-Armstrong, Patternmaking for Fashion Design, facings
+and knits)."""
 
 from __future__ import annotations
 
@@ -18,7 +20,8 @@ from .allowance import Allowances
 from .doubled import is_folded_double
 from .facings import draft_facing
 from .grain_line import draw_grain
-from .naming import MAX_PIECE_NAME_LENGTH
+from .linings import HOOD_LINING_SEAM, line_hood
+from .naming import extend_name, number_name
 from .notches import place_notches
 from .offset import offset_outline
 from .piece import EdgeUse, Material, Piece, PieceEdge, PieceSide, SeamWalk
@@ -73,6 +76,12 @@ def draft_finishes(pieces: tuple[Piece, ...], step_count: int, allowances: Allow
     faced = FRONT_EDGE_USES if has_ribs else (EdgeUse.NECK, *FRONT_EDGE_USES)
     for number in range(len(pieces)):
         drafted += _face(pieces, number, faced)
+    if not has_ribs:
+        drafted += [
+            Drafted(lining, HOOD_LINING_SEAM, face, own, frozenset((EdgeUse.NECK,)))
+            for lining, face, own in line_hood(pieces)
+        ]
+    drafted = _number_names(drafted, [piece.name for piece in pieces])
     names = list(dict.fromkeys(one.seam for one in drafted))
     seams = []
     for k, one in enumerate(drafted):
@@ -93,11 +102,21 @@ def draft_finishes(pieces: tuple[Piece, ...], step_count: int, allowances: Allow
 def _split_by_copy(pieces: tuple[Piece, ...], one: Drafted) -> list[tuple[Sides, bool]]:
     """Return the garment's edges of each copy of a drafted piece: left and right apart where it is cut as a pair."""
     if not one.piece.pair:
-        return [(one.garment, False)]
+        return [(one.garment, False)] if one.garment else []
     halves = [
         tuple(side for side in one.garment if _is_of_right(pieces, side) == is_right) for is_right in (False, True)
     ]
     return [(half, is_right) for half, is_right in zip(halves, (False, True), strict=True) if half]
+
+
+def _number_names(drafted: list[Drafted], taken: list[str]) -> list[Drafted]:
+    """Return drafted pieces, each with a name that no other piece has."""
+    found = []
+    for one in drafted:
+        name = number_name(one.piece.name, taken)
+        taken = [*taken, name]
+        found.append(replace(one, piece=replace(one.piece, name=name, net=replace(one.piece.net, name=name))))
+    return found
 
 
 def _is_of_right(pieces: tuple[Piece, ...], side: PieceSide) -> bool:
@@ -146,7 +165,7 @@ def _plan_strips(pieces: tuple[Piece, ...], seam: float, has_ribs: bool) -> Iter
         if edge.use is EdgeUse.NECK
         for mirrored in ((False, True) if edge.mirror is not None else (False,))
     )
-    if face:
+    if face and has_ribs:
         length = _length(pieces, face)
         yield Strip("HOOD_CASING", (), length, HOOD_CASING_WIDTH, Material.CLOTH, seam, False, False), face
 
@@ -204,9 +223,9 @@ def _face(pieces: tuple[Piece, ...], number: int, uses: tuple[EdgeUse, ...]) -> 
             if drawn is None:
                 continue
             kind = "FRONT" if kinds & {*FRONT_EDGE_USES} else "NECK"
-            tail = f"_{kind}_FACING" if kind not in piece.name else "_FACING"
+            tail = f"{kind}_FACING" if kind not in piece.name else "FACING"
             net, edges = drawn
-            facing = _cut(net, edges, piece.name[: MAX_PIECE_NAME_LENGTH - len(tail)] + tail, piece.quantity)
+            facing = _cut(net, edges, extend_name(piece.name, tail), piece.quantity)
         except BadInput:
             continue
         folds = [i for i, edge in enumerate(edges) if edge.use is EdgeUse.FOLD]

@@ -33,8 +33,12 @@ FINISHES: Mapping[str, str] = MappingProxyType({
     "rib seam": "join the ends, fold lengthwise, stretch evenly to fit, overlock",
     "facing seam": "join the facings, sew right sides together, trim, turn in, understitch",
     "binding seam": "fold round the edge, stitch", "casing seam": "sew on, turn in, stitch, draw in the cord",
+    "lining seam": "join the lining as the hood, sew right sides together, turn, stitch a channel, draw in the cord",
 })  # fmt: skip
 """How a piece that finishes an opening is sewn on, by the end of the seam's name."""
+
+INNER_LAYER_FINISH = "join the inner layer as the outer, sew right sides together, trim, turn, fell its free edge"
+"""How the inner layer of a cuff, a waistband or a collar is sewn to the outer one."""
 
 
 @dataclass(frozen=True)
@@ -100,7 +104,9 @@ def _list_sides(pieces: PieceSet, seams: list[SeamWalk]) -> tuple[tuple[str, ...
 
 def _choose_finish(pieces: PieceSet, seams: list[SeamWalk], use: EdgeUse) -> str:
     if seams[0] in pieces.finishes:
-        return next(text for end, text in FINISHES.items() if seams[0].name.endswith(end))
+        elastic = any("elastic" in pieces.cut_pieces[side.piece].net.label for side in seams[0].sides[0])
+        inner = INNER_LAYER_FINISH + (", draw in the elastic" if elastic else "")
+        return next((text for end, text in FINISHES.items() if seams[0].name.endswith(end)), inner)
     if use in CLOSURE_EDGE_USES:
         return "sew in the zip" if use is EdgeUse.ZIP else "turn the button stands, make buttonholes, sew on buttons"
     name = seams[0].name.rstrip(" 0123456789")

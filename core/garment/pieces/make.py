@@ -22,6 +22,7 @@ from .flatten import flatten_edge
 from .folding import find_fold_axis, fold_piece
 from .grain_line import draw_grain
 from .joining import Group, join_halves, turn_group
+from .linings import sew_inner_layers
 from .marked_lines import PanelLevel, mark_lines
 from .marks import Mark, collect_marks, find_gathered_runs, turn_marks
 from .missing_parts import list_missing
@@ -110,6 +111,9 @@ def make_pieces(
         last = max((seam.step for seam in seams), default=0)
         has_ribs = style.is_stretchy and not is_turned
         finishes = draft_finishes(pieces, last, settings.allowances, has_ribs)
+        last = max((seam.step for seam in finishes.seams), default=last)
+        inner = sew_inner_layers(pattern, pieces, seams, last)
+        finishes = replace(finishes, seams=(*finishes.seams, *inner))
     return PieceSet(
         style.name or pattern.name,
         style.size,

@@ -48,5 +48,5 @@ def list_missing(
         lines.append("finish of unnamed open edges: hem, binding or facing")
     if any(piece.material is not Material.RIB for piece in doubled):
         lines.append("inner layer of curved ribs: each is drawn as worn")
-    lines += ["pockets, linings, labels", "true size name: the size is given by girths"]
+    lines += ["pockets, lining of the body, labels", "true size name: the size is given by girths"]
     return tuple(lines)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections.abc import Collection
 
 from ..panel_parts import find_arm_panels, find_side
 from ..pattern import Pattern
@@ -28,12 +29,25 @@ def name_pieces(pattern: Pattern, members: list[tuple[tuple[str, ...], bool]]) -
         base = _to_ascii_name(_common(panels, both))[:MAX_PIECE_NAME_LENGTH]
         if not re.search("[A-Z]", base) or (both and base.lower() in SIDES):
             base = _describe_place(pattern, panels)
-        name, number = base, 2
-        while name in names:
-            tail = f"_{number}"
-            name, number = base[: MAX_PIECE_NAME_LENGTH - len(tail)] + tail, number + 1
-        names.append(name)
+        names.append(number_name(base, names))
     return names
+
+
+def extend_name(name: str, words: str) -> str:
+    """Return a piece's name with further words; where that is too long, without the last words of the name."""
+    own = name.split("_")
+    while len(own) > 1 and len("_".join((*own, words))) > MAX_PIECE_NAME_LENGTH:
+        own.pop()
+    return f"{'_'.join(own)[: MAX_PIECE_NAME_LENGTH - len(words) - 1]}_{words}"
+
+
+def number_name(name: str, taken: Collection[str]) -> str:
+    """Return a name that is not taken: with a number where it is."""
+    found, number = name, 2
+    while found in taken:
+        tail = f"_{number}"
+        found, number = name[: MAX_PIECE_NAME_LENGTH - len(tail)] + tail, number + 1
+    return found
 
 
 def _describe_place(pattern: Pattern, panels: tuple[str, ...]) -> str:

@@ -254,8 +254,8 @@ class PieceSet:
         missing: What a wearable garment needs beside net panels, one line each.
         trued: Each line that was not smooth where it crosses a seam.
         is_stretchy: Whether the cloth stretches as a knit does.
-        drafted: Pieces that finish edges and are no panels of the pattern: ribs, facings, bindings.
-        finishes: The seams that sew them on; their pieces are numbered as in `cut_pieces`.
+        drafted: Pieces that finish edges and are no panels of the pattern: ribs, facings, bindings, linings.
+        finishes: The seams that sew on these, and inner layers; their pieces are numbered as in `cut_pieces`.
         details: Lines of the title, label and value: the scan's name, the date, measures of the finished garment.
         finished_measures: Measures of the finished garment at the points of the trade.
         margins: How sure the recovered pattern's seams and edges are, a line each.
