@@ -26,6 +26,7 @@ from garmentq.core.garment.pieces.allowance import read_allowances
 from garmentq.core.garment.pieces.flatten import flatten_outline
 from garmentq.core.garment.pieces.layout import lay_on_cloth
 from garmentq.core.garment.pieces.make import PieceSettings, Style, make_pieces
+from garmentq.core.garment.pieces.naming import say_name
 from garmentq.core.garment.templates import list_templates, load_template
 from garmentq.core.run.errors import GarmentqError
 from garmentq_pieces import SLIT_CUTS, TEMPLATES, pieces_of
@@ -275,7 +276,7 @@ def test_a_flat_drawing_has_a_layer_for_each_tool(name):
         (drawn,) = [line for line in lines["MARK"] if len(line) == 2 and np.abs(line - grain).max() < 1e-6]
         assert piece.is_bias or drawn[0, 0] == pytest.approx(drawn[1, 0], abs=1e-6)
     texts = space.query("TEXT")
-    assert {piece.name for piece in pieces.cut_pieces} <= {text.dxf.text for text in texts}
+    assert {say_name(piece.name) for piece in pieces.cut_pieces} <= {text.dxf.text for text in texts}
     assert all(any(one.contains(Point(np.array(text.dxf.insert)[:2] * 1e-3)) for one in cut) for text in texts)
 
 

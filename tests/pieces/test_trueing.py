@@ -16,7 +16,7 @@ from garmentq.core.garment.symmetry import find_symmetry
 from garmentq.core.garment.templates import load_template
 from garmentq_pieces import SLIT_CUTS, TEMPLATES
 
-FLAT_HEAD = ("scye", "undersleeve")
+FLAT_HEAD = ("armhole seam", "sleeve seam")
 """A flat sleeve's cap is its armhole's own curve: under the arm it cannot be smooth."""
 
 RADIUS = 0.15

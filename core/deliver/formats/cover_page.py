@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from textwrap import wrap
-
 import numpy as np
 
 from ...garment.meshing import points_in_polygon
@@ -11,9 +9,11 @@ from ...garment.pieces.bill import list_materials
 from ...garment.pieces.finished_points import list_finished
 from ...garment.pieces.instructions import list_sewing_steps
 from ...garment.pieces.layout import lay_on_cloth
+from ...garment.pieces.naming import say_name
 from ...garment.pieces.piece import PieceSet
 from ...garment.pieces.trueing import describe_trueing
-from .drawing import LETTER_WIDTH_FRACTION, STRETCH_TEXT, describe_cutting, keep_latin
+from .drawing import STRETCH_TEXT, describe_cutting, keep_latin
+from .letters import break_line, fit_size
 from .pdf_file import show_text
 from .sheet import Sheet
 from .tiling import Tile, Tiling
@@ -28,6 +28,9 @@ COVER_TEXT_SIZE_MM = 3.2
 """Size of the text [mm]."""
 
 
+COVER_MARGIN_MM = 12.0
+"""Width of the border of a page with texts [mm]: printers leave out up to 10."""
+
 COVER_HEADINGS = ("Pieces", "Sewing order", "Bill of material", "Not in this pattern", "Trueing", "How sure")
 """Lines that are bold."""
 
@@ -35,22 +38,21 @@ COVER_HEADINGS = ("Pieces", "Sewing order", "Bill of material", "Not in this pat
 def cover_content(sheet: Sheet, tiling: Tiling) -> str:
     """Return the operators of the cover of a tiling: title, test squares, map of the sheets, list of pieces."""
     paper, pieces = tiling.paper, sheet.pieces
-    left, top = 12.0, paper.height - 18.0
-    parts = ["0 G 0 g\n", show_text(left, top, 7.0, keep_latin(pieces.name), True)]
-    lines = [
-        *heading_lines(pieces),
-        f"{len(tiling.tiles)} sheets of {paper.name.upper()}; print at 100 %, then measure:",
-    ]
-    parts.append(_column(left, top - 6.0, lines, len(lines), paper.width - 2 * left))
+    left, top = COVER_MARGIN_MM, paper.height - 18.0
+    width = paper.width - 2 * left
+    parts = ["0 G 0 g\n", _show_title(left, top, 7.0, keep_latin(pieces.name), width)]
+    sheets = f"{len(tiling.tiles)} sheets of {paper.name.upper()}; print at 100 %, then measure:"
+    lines = _break_lines([*heading_lines(pieces), sheets], width)
+    parts.append(_column(left, top - 6.0, lines, len(lines)))
     y = top - 10.0 - COVER_LINE_HEIGHT_MM * len(lines) - TEST_SQUARES[1][0]
     parts.append(_squares(left, y))
     y -= 8.0
-    listed = _list_pieces(pieces, _name_tiles(sheet, tiling))
-    room = y - 12.0 - COVER_LINE_HEIGHT_MM * len(listed)
+    listed = _break_lines(_list_pieces(pieces, _name_tiles(sheet, tiling)), width)
+    room = y - COVER_MARGIN_MM - COVER_LINE_HEIGHT_MM * len(listed)
     height = max(min(room, 110.0), 40.0)
-    parts.append(_map(sheet, tiling, (left, y - height), (paper.width - 2 * left, height)))
+    parts.append(_map(sheet, tiling, (left, y - height), (width, height)))
     y -= height + 8.0
-    parts.append(_column(left, y, listed, int((y - 8.0) / COVER_LINE_HEIGHT_MM), paper.width - 2 * left))
+    parts.append(_column(left, y, listed, int((y - COVER_MARGIN_MM) / COVER_LINE_HEIGHT_MM)))
     return "".join(parts)
 
 
@@ -62,15 +64,14 @@ def instruction_contents(pieces: PieceSet, width: float, height: float) -> list[
         width: Of a page [mm].
         height: Of a page [mm].
     """
-    left, top = 12.0, height - 18.0
-    letters = int((width - 2 * left) / (LETTER_WIDTH_FRACTION * COVER_TEXT_SIZE_MM))
+    left, top = COVER_MARGIN_MM, height - 18.0
     lines = [*list_steps(pieces), "", *list_bill(pieces), "", *list_notes(pieces)]
-    wrapped = [part for line in lines for part in (wrap(line, letters, subsequent_indent="   ") or [""])]
-    most = int((top - 12.0) / COVER_LINE_HEIGHT_MM)
+    wrapped = _break_lines(lines, width - 2 * left)
+    most = int((top - 6.0 - COVER_MARGIN_MM) / COVER_LINE_HEIGHT_MM)
     pages = []
     for n in range(0, len(wrapped), most):
-        head = show_text(left, top + 4.0, 4.0, keep_latin(pieces.name), True)
-        pages.append("0 G 0 g\n" + head + _column(left, top - 6.0, wrapped[n : n + most], most, width - 2 * left))
+        head = _show_title(left, top + 4.0, 4.0, keep_latin(pieces.name), width - 2 * left)
+        pages.append("0 G 0 g\n" + head + _column(left, top - 6.0, wrapped[n : n + most], most))
     return pages
 
 
@@ -83,11 +84,13 @@ def legend_content(sheet: Sheet, x: float, y: float, width: float) -> str:
     """Return the operators of the strip below the pieces of a roll, its lower left corner at (x, y) [mm]."""
     pieces = sheet.pieces
     lines = [*heading_lines(pieces), *_list_pieces(pieces, {}), *list_notes(pieces)]
-    parts = ["0 G 0 g\n", _squares(x, y + 8.0), show_text(x + 125.0, y + 68.0, 6.0, keep_latin(pieces.name), True)]
+    title = _show_title(x + 125.0, y + 68.0, 6.0, keep_latin(pieces.name), width - 125.0)
+    parts = ["0 G 0 g\n", _squares(x, y + 8.0), title]
     most, column = int(60.0 / COVER_LINE_HEIGHT_MM), 110.0
+    lines = _break_lines(lines, column - COVER_LINE_HEIGHT_MM)
     room = max(1, int((width - 125.0) / column))
     for n in range(min(room, -(-len(lines) // most))):
-        parts.append(_column(x + 125.0 + n * column, y + 62.0, lines[n * most : (n + 1) * most], most, column))
+        parts.append(_column(x + 125.0 + n * column, y + 62.0, lines[n * most : (n + 1) * most], most))
     return "".join(parts)
 
 
@@ -167,7 +170,7 @@ def _list_pieces(pieces: PieceSet, shown: dict[int, list[str]]) -> list[str]:
     for n, piece in enumerate(pieces.cut_pieces):
         where = shown.get(n, [])
         sheets = f": {', '.join(where[:8])}{' ...' if len(where) > 8 else ''}" if where else ""
-        lines.append(f"{n + 1} {piece.name}, {describe_cutting(piece)}{sheets}")
+        lines.append(f"{n + 1} {say_name(piece.name)}, {describe_cutting(piece)}{sheets}")
     return lines
 
 
@@ -191,18 +194,20 @@ def list_steps(pieces: PieceSet) -> list[str]:
     ]
 
 
-def _column(x: float, y: float, lines: list[str], most: int, width: float) -> str:
+def _show_title(x: float, y: float, size: float, title: str, width: float) -> str:
+    """Return the operators of a bold line from a point on its base line, smaller where it is too wide [mm]."""
+    return show_text(x, y, fit_size(title, size, width, True), title, True)
+
+
+def _break_lines(lines: list[str], width: float) -> list[str]:
+    """Return lines of text broken to a width [mm]."""
+    return [part for line in lines for part in break_line(line, COVER_TEXT_SIZE_MM, width, "   ")]
+
+
+def _column(x: float, y: float, lines: list[str], most: int) -> str:
     if len(lines) > most > 1:
         lines = [*lines[: most - 1], f"... and {len(lines) - most + 1} more lines"]
-    letters = int(width / (0.5 * COVER_TEXT_SIZE_MM))
-    parts = [
-        show_text(
-            x,
-            y - COVER_LINE_HEIGHT_MM * n,
-            COVER_TEXT_SIZE_MM,
-            line[:letters],
-            bold=line in COVER_HEADINGS,
-        )
+    return "".join(
+        show_text(x, y - COVER_LINE_HEIGHT_MM * n, COVER_TEXT_SIZE_MM, line, bold=line in COVER_HEADINGS)
         for n, line in enumerate(lines[:most])
-    ]
-    return "".join(parts)
+    )

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import StrEnum
-from itertools import pairwise
 
 import numpy as np
 
-from ...garment.meshing import points_in_polygon
 from ...garment.pieces.flatten import flatten_edge, flatten_outline
+from ...garment.pieces.naming import say_name
 from ...garment.pieces.piece import Material, Piece, PieceSet
+from .letters import measure_text
 
 ARROW_HEAD_LENGTH = 0.006
 """Length of an arrow's head [m]."""
@@ -18,26 +18,12 @@ ARROW_HEAD_LENGTH = 0.006
 FOLD_INSET = 0.012
 """Distance of the arrow of a fold from the fold [m]."""
 
-LETTER_WIDTH_FRACTION = 0.52
-"""Mean width of a letter of Helvetica, as a fraction of the size of the text."""
-
-MAX_PIECE_TEXT_SIZE, MIN_PIECE_TEXT_SIZE = 0.009, 0.005
-"""Largest and smallest size of the text on a piece [m]: 9 mm where there is room, at least 5 mm."""
-
-
 GRAIN_UNKNOWN_TEXT = "GRAIN UNKNOWN"
 """Text across a piece whose warp neither file nor place shows."""
 
 
 STRETCH_TEXT = "most stretch across the grain"
 """Text on pieces of a knit: courses run across the grain and stretch more than wales."""
-
-
-LINE_TEXT_SIZE = 0.005
-"""Size of the name of a marked line [m]."""
-
-LINE_NAME_SHARE = 0.12
-"""Fraction of a marked line at which its name is written."""
 
 
 class Layer(StrEnum):
@@ -73,8 +59,8 @@ class Text:
 
     @property
     def width(self) -> float:
-        """Return its width [m], estimated generously."""
-        return self.size * LETTER_WIDTH_FRACTION * len(self.text) * (1.1 if self.is_bold else 1.0)
+        """Return its width in the letters of PDF [m]."""
+        return measure_text(self.text, self.size, self.is_bold)
 
 
 def draw_lines(piece: Piece) -> list[Line]:
@@ -132,7 +118,7 @@ def list_texts(pieces: PieceSet, number: int) -> list[str]:
     """Return the texts on a piece, the most important first."""
     piece = pieces.cut_pieces[number]
     lines = [
-        piece.name,
+        say_name(piece.name),
         describe_cutting(piece),
         "" if piece.is_grain_known else GRAIN_UNKNOWN_TEXT,
         f"{number + 1}/{len(pieces.cut_pieces)} {keep_latin(pieces.name)}",
@@ -142,75 +128,6 @@ def list_texts(pieces: PieceSet, number: int) -> list[str]:
         STRETCH_TEXT if pieces.is_stretchy or piece.material is Material.RIB else "",
     ]
     return [line for line in lines if line.strip()]
-
-
-def name_lines(piece: Piece) -> list[Text]:
-    """Return the names of a piece's marked lines, each beside its line and within the piece."""
-    found, middle = [], flatten_outline(piece.net)[0].mean(axis=0)
-    for name in dict.fromkeys(line.name for line in piece.lines):
-        points = max((line.points for line in piece.lines if line.name == name), key=lambda one: float(np.ptp(one)))
-        start, end = points[0], points[-1]
-        place = start + LINE_NAME_SHARE * (end - start)
-        text = Text(name, np.zeros(2), LINE_TEXT_SIZE)
-        across = np.array([0.5 * text.width + 0.002, 0.0]) if name in ("CF", "CB") else np.array([0.0, 0.0015])
-        side = np.where(middle[0] >= place[0] - 1e-6, 1.0, -1.0)
-        found.append(replace(text, centre=place + across * [side, 1.0]))
-    return found
-
-
-def place_texts(piece: Piece, texts: list[str]) -> list[Text]:
-    """Return as many of the texts as fit within the sew line, clear of grainline and notches, as large as they fit. The
-    block is as far from the outline as a grid of places allows; a piece too small for a text has none."""
-    outline = flatten_outline(piece.net, 2e-4)[0]
-    low, high = outline.min(axis=0), outline.max(axis=0)
-    grid = np.stack(np.meshgrid(*(np.linspace(low[k], high[k], 23)[1:-1] for k in (0, 1))), axis=-1).reshape(-1, 2)
-    grid = grid[points_in_polygon(outline, grid)]
-    if not len(grid):
-        return []
-    grid = grid[np.argsort(-_clearance(outline, grid), kind="stable")]
-    for count in range(len(texts), 0, -1):
-        for size in (MAX_PIECE_TEXT_SIZE, 0.007, MIN_PIECE_TEXT_SIZE):
-            block = [Text(text, np.zeros(2), size, n == 0) for n, text in enumerate(texts[:count])]
-            half = np.array([max(text.width for text in block) / 2, 0.75 * size * count])
-            for centre in grid[:60]:
-                if _is_free(piece, outline, centre, half + 0.003):
-                    tops = centre[1] + half[1] - size * (1.1 + 1.5 * np.arange(count))
-                    return [
-                        Text(text.text, np.array([centre[0], y]), size, text.is_bold)
-                        for text, y in zip(block, tops, strict=True)
-                    ]
-    return []
-
-
-def _clearance(outline: np.ndarray, points: np.ndarray) -> np.ndarray:
-    step = np.roll(outline, -1, axis=0) - outline
-    offset = points[:, None] - outline
-    part = np.clip((offset * step).sum(axis=-1) / np.maximum((step**2).sum(axis=-1), 1e-18), 0.0, 1.0)
-    return np.asarray(np.linalg.norm(offset - part[..., None] * step, axis=-1).min(axis=1))
-
-
-def _is_free(piece: Piece, outline: np.ndarray, centre: np.ndarray, half: np.ndarray) -> bool:
-    """Check that a box is within an outline and contains no grainline, fold arrow, notch, dart or drill."""
-    turns = np.linspace(-1.0, 1.0, 9)
-    rim = np.concatenate([[(x, y) for x in turns for y in (-1.0, 1.0)], [(x, y) for y in turns for x in (-1.0, 1.0)]])
-    if not points_in_polygon(outline, centre + rim * half).all():
-        return False
-    marks = [
-        *piece.darts,
-        *(_sample(line.points) for line in piece.lines),
-        piece.drills,
-        *(n.point + n.depth * n.inward for n in piece.notches),
-    ]
-    marks.append(np.linspace(piece.grain[0], piece.grain[1], 50))
-    if piece.fold is not None:
-        ends = flatten_edge(piece.net, piece.fold)[[0, -1]] + [FOLD_INSET, 0.0]
-        marks.append(np.linspace(ends[0], ends[1], 50))
-    points = np.concatenate([np.reshape(mark, (-1, 2)) for mark in (*marks, outline)])
-    return not (np.abs(points - centre) < half).all(axis=1).any()
-
-
-def _sample(points: np.ndarray) -> np.ndarray:
-    return np.concatenate([np.linspace(start, end, 50) for start, end in pairwise(points)])
 
 
 def keep_ascii(text: str) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...garment.pieces.layout import CLOTH_WIDTH, Lay
+from ...garment.pieces.naming import say_name
 from ...garment.pieces.nesting import nest_on_cloth
 from .drawing import keep_ascii
 from .errors import SheetTooSmall
@@ -47,8 +48,9 @@ def marker_svg(lay: Lay, name: str) -> str:
         points = " L ".join(f"{x:.3f} {y:.3f}" for x, y in places)
         x, y = (places.min(axis=0) + places.max(axis=0)) / 2.0
         parts.append(f'<path class="cut" d="M {points} Z"/>')
+        name = say_name(copy.name)
         parts.append(
-            f'<text x="{x:.1f}" y="{y:.1f}" font-size="{MARKER_TEXT_SIZE_MM:g}">{escape(keep_ascii(copy.name))}</text>'
+            f'<text x="{x:.1f}" y="{y:.1f}" font-size="{MARKER_TEXT_SIZE_MM:g}">{escape(keep_ascii(name))}</text>'
         )
     style = "path { fill: none; stroke: #000; stroke-width: 0.5; } .cloth { stroke: #888; } "
     style += "text { font-family: sans-serif; text-anchor: middle; }"

@@ -15,7 +15,7 @@ from ...garment.pieces.piece import Piece, PieceSet
 from ...garment.pieces.shelf_packing import pack_on_shelves
 from ...garment.pieces.trueing import true_pattern
 from .dialects import DIALECTS_BY_NAME
-from .drawing import draw_lines, keep_latin, list_texts, name_lines, place_texts
+from .drawing import draw_lines, keep_latin, list_texts
 from .dxf import Block, Rules, dxf_text, rule_text, write_archive
 from .flat_dxf import flat_text
 from .grade_table import write_grade_table
@@ -23,6 +23,7 @@ from .grading import Size, grade_sizes
 from .papers import PLOTTER_ROLL_WIDTH_MM, find_paper
 from .pdf_file import Page, pdf_bytes, show_text
 from .size_layers import draw_size_layers, name_layer, nest_svg
+from .text_places import label_piece
 
 if TYPE_CHECKING:
     from .production import Production
@@ -155,7 +156,7 @@ def nest_pdf(sizes: list[Size], pieces: list[PieceSet], width: float) -> bytes:
             if line.layer not in ("cut", "sew"):
                 dashes = "[1.5 1]" if line.layer == "mark" else "[]"
                 parts.append(f"0.25 w {dashes} 0 d {_path(1e3 * line.points + shifts[n], False)}\n")
-        for text in (*place_texts(piece, list_texts(pieces[base], n)), *name_lines(piece)):
+        for text in label_piece(piece, list_texts(pieces[base], n)):
             x, y = 1e3 * text.centre + shifts[n]
             parts.append(show_text(x - 5e2 * text.width, y, 1e3 * text.size, text.text, text.is_bold))
     parts.append(show_text(NEST_PAGE_MARGIN_MM, legend, 6.0, f"{keep_latin(pieces[base].name)}: sizes", True))

@@ -8,7 +8,8 @@ import numpy as np
 
 from ...garment.pieces.piece import PieceSet
 from ...garment.pieces.shelf_packing import pack_on_shelves
-from .drawing import Line, Text, draw_lines, list_texts, name_lines, place_texts
+from .drawing import Line, Text, draw_lines, list_texts
+from .text_places import SheetJoins, label_piece
 
 SHEET_PIECE_GAP = 0.01
 """Free space between pieces [m]."""
@@ -45,8 +46,10 @@ def min_sheet_width(pieces: PieceSet) -> float:
     return max(float(np.ptp(piece.cut.points[:, 0])) for piece in pieces.cut_pieces) + 2.0 * SHEET_BORDER
 
 
-def arrange_pieces(pieces: PieceSet, width: float) -> Sheet:
-    """Arrange the pieces, each once, side by side on a sheet of a width [m], or of that of the widest piece."""
+def arrange_pieces(pieces: PieceSet, width: float, joins: SheetJoins | None = None) -> Sheet:
+    """Arrange the pieces, each once, side by side on a sheet of a width [m], or of that of the widest piece; their
+    texts are clear of the joins of sheets of paper where they have room."""
+    joins = joins or SheetJoins()
     shifts, size = pack_pieces(pieces, width)
     lines = tuple(
         tuple(replace(line, points=line.points + shift) for line in draw_lines(piece))
@@ -55,7 +58,7 @@ def arrange_pieces(pieces: PieceSet, width: float) -> Sheet:
     texts = tuple(
         tuple(
             replace(text, centre=text.centre + shift)
-            for text in (*place_texts(piece, list_texts(pieces, n)), *name_lines(piece))
+            for text in label_piece(piece, list_texts(pieces, n), joins.shift(shift))
         )
         for n, (piece, shift) in enumerate(zip(pieces.cut_pieces, shifts, strict=True))
     )

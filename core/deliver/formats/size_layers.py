@@ -9,8 +9,9 @@ import numpy as np
 
 from ...garment.pieces.flatten import flatten_outline
 from ...garment.pieces.piece import Piece, PieceSet
-from .drawing import draw_lines, keep_latin, list_texts, name_lines, place_texts
+from .drawing import draw_lines, keep_latin, list_texts
 from .pdf_file import show_text
+from .text_places import label_piece
 
 SIZE_TEXT_HEIGHT_MM = 3.0
 """Height of a size's name on its line [mm]."""
@@ -96,7 +97,7 @@ def nest_svg(names: Sequence[str], pieces: list[PieceSet], base: int, shifts: np
     for n, (piece, shift) in enumerate(zip(pieces[base].cut_pieces, shifts, strict=True)):
         lines = [line for line in draw_lines(piece) if line.layer not in ("cut", "sew")]
         marks += [path("mark", line.points + shift, line.closed) for line in lines]
-        for one_text in (*place_texts(piece, list_texts(pieces[base], n)), *name_lines(piece)):
+        for one_text in label_piece(piece, list_texts(pieces[base], n)):
             x, y = one_text.centre + shift - [one_text.width / 2.0, 0.0]
             marks.append(text(x, y, 1e3 * one_text.size, one_text.text))
     layers.append(_svg_layer("marks", marks))

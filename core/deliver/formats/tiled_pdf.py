@@ -11,9 +11,11 @@ from ...garment.meshing import points_in_polygon
 from ...garment.pieces.piece import PieceSet
 from .cover_page import cover_content, instruction_contents, legend_content
 from .drawing import Layer, keep_latin
+from .letters import fit_size
 from .papers import Paper, find_paper
 from .pdf_file import Page, pdf_bytes, show_text
 from .sheet import Sheet, arrange_pieces, min_sheet_width, pack_pieces
+from .text_places import SheetJoins
 from .tiling import Tile, Tiling
 
 if TYPE_CHECKING:
@@ -78,7 +80,18 @@ def tile_pieces(pieces: PieceSet, paper: Paper) -> tuple[Sheet, Tiling]:
         tiles = _find_tiles(outlines, size, step)
         found.append((len(tiles), columns, width, tiles))
     _, _, width, tiles = min(found, key=lambda one: one[:2])
-    return arrange_pieces(pieces, width), Tiling(paper, window, step, tiles)
+    joins = _find_joins(pack_pieces(pieces, width)[1], step)
+    return arrange_pieces(pieces, width, joins), Tiling(paper, window, step, tiles)
+
+
+def _find_joins(size: np.ndarray, step: tuple[float, float]) -> SheetJoins:
+    """Return where sheets are pasted together on a sheet of a size [m], which they cover from its upper left corner in
+    steps [mm]."""
+    across, down = (
+        1e-3 * length * np.arange(1, int(1e3 * whole / length) + 1)[:, None] + [0.0, 1e-3 * TILE_OVERLAP_MM]
+        for whole, length in zip(size, step, strict=True)
+    )
+    return SheetJoins(across, size[1] - down[:, ::-1])
 
 
 def _find_tiles(outlines: list[np.ndarray], size: np.ndarray, step: tuple[float, float]) -> tuple[Tile, ...]:
@@ -168,9 +181,9 @@ def _label_sheet(sheet: Sheet, tiling: Tiling, number: int) -> str:
     tile, inset = tiling.tiles[number], TILE_MARGIN_MM + TILE_OVERLAP_MM + 2.0
     y = tiling.paper.height - inset - 3.0
     name = f"{tile.name}   sheet {number + 1} of {len(tiling.tiles)}"
-    return show_text(inset, y, 3.5, name, True) + show_text(
-        inset + 45.0, y, 3.0, f"{keep_latin(sheet.pieces.name)}, print at 100 %, no fit to page"
-    )
+    title = f"{keep_latin(sheet.pieces.name)}, print at 100 %, no fit to page"
+    size = fit_size(title, 3.0, tiling.paper.width - 2.0 * inset - 45.0)
+    return show_text(inset, y, 3.5, name, True) + show_text(inset + 45.0, y, size, title)
 
 
 def _draw_overlaps(tiling: Tiling, tile: Tile) -> str:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from ..curves import edge_length
+from .naming import say_name
 from .piece import CLOSURE_EDGE_USES, EdgeUse, Piece, PieceSet, SeamWalk
 
 OPEN_EDGE_NAMES: Mapping[EdgeUse, str] = MappingProxyType({
@@ -47,8 +48,8 @@ class SewingStep:
 
     Attributes:
         name: Of the seam or the opening; no two steps have one name.
-        pieces: Names of the pieces on both sides of the seam, equal where it joins a piece to itself or its mirror
-            image; of an opening those with its edges, on one side.
+        pieces: Printed names of the pieces on both sides of the seam, equal where it joins a piece to itself or its
+            mirror image; of an opening those with its edges, on one side.
         count: How often: 2 for left and right.
         lengths: Of both sides on the sew line, once [m]; equal but for gathers and eased or stretched sides.
         finish: How the allowances are finished and pressed.
@@ -94,7 +95,7 @@ def _list_sides(pieces: PieceSet, seams: list[SeamWalk]) -> tuple[tuple[str, ...
     one: list[str] = []
     other: list[str] = []
     for seam in seams:
-        first, second = ([pieces.cut_pieces[part.piece].name for part in side] for side in seam.sides)
+        first, second = ([say_name(pieces.cut_pieces[part.piece].name) for part in side] for side in seam.sides)
         if {*first} & {*other} or {*second} & {*one}:
             first, second = second, first
         one += first
@@ -143,7 +144,7 @@ def _describe_openings(pieces: PieceSet) -> list[SewingStep]:
         total = sum(_edge_total(piece, i) for piece, i in found)
         count = 2 if use in PAIRED_EDGE_USES else 1
         width = max(piece.edges[i].width for piece, i in found)
-        names = tuple(dict.fromkeys(piece.name for piece, _ in found))
+        names = tuple(dict.fromkeys(say_name(piece.name) for piece, _ in found))
         steps.append(
             SewingStep(name, (names,), count, (total / count, total / count), _finish_opening(pieces, use, width))
         )

@@ -12,7 +12,7 @@ from ..curves import edge_length
 from ..parts.hoods import HOOD_LABEL
 from ..pattern import Pattern
 from .doubled import is_lined
-from .naming import extend_name
+from .naming import extend_name, say_name
 from .piece import CLOSURE_EDGE_USES, EdgeUse, Piece, PieceSide, SeamWalk
 
 HOOD_LINING_SEAM = "hood lining seam"
@@ -83,7 +83,7 @@ def sew_inner_layers(pattern: Pattern, pieces: tuple[Piece, ...], seams: Seams, 
 
 def _name_inner_seam(piece: Piece) -> str:
     """Return the name of the seam of a piece's inner layer: `inner cuff seam`."""
-    name = "waistband" if WAISTBAND_LABEL in piece.net.label.split() else piece.name.lower().replace("_", " ")
+    name = "waistband" if WAISTBAND_LABEL in piece.net.label.split() else say_name(piece.name).lower()
     return f"inner {name} seam"
 
 

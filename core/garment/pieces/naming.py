@@ -41,6 +41,11 @@ def extend_name(name: str, words: str) -> str:
     return f"{'_'.join(own)[: MAX_PIECE_NAME_LENGTH - len(words) - 1]}_{words}"
 
 
+def say_name(name: str) -> str:
+    """Return a piece's name as it is printed, its words apart: `COLLAR FALL`."""
+    return name.replace("_", " ")
+
+
 def number_name(name: str, taken: Collection[str]) -> str:
     """Return a name that is not taken: with a number where it is."""
     found, number = name, 2

@@ -13,6 +13,7 @@ from ..orientation import place_points
 from ..parts.hoods import HOOD_LABEL
 from ..pattern import EdgeRef, Pattern, Seam
 from .closure import find_closure
+from .naming import say_name
 from .piece import Piece, PieceSide, SeamWalk
 from .seam_names import SeamName, is_dart, name_seam
 
@@ -92,7 +93,7 @@ def _name_steps(pattern: Pattern, pieces: tuple[Piece, ...], homes: Sides, steps
     for step in steps:
         name, side = step[0].name.name, "" if len(step) > 1 else step[0].name.side
         seam = pattern.seams[step[0].seams[0]]
-        between = " to ".join(dict.fromkeys(pieces[homes[ref][0].piece].name for ref in (seam.a, seam.b)))
+        between = " to ".join(dict.fromkeys(say_name(pieces[homes[ref][0].piece].name) for ref in (seam.a, seam.b)))
         names.append(f"{side} {name or f'{between} seam'}".strip())
     return [f"{name} {names[: k + 1].count(name)}" if names.count(name) > 1 else name for k, name in enumerate(names)]
 

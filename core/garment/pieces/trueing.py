@@ -25,6 +25,7 @@ from ..outline import is_slit_side
 from ..pattern import Edge, EdgeRef, Pattern
 from ..seams import find_sewn_partners, seam_lengths, seam_ratios
 from .piece import TruedLine
+from .seam_names import name_seam
 from .trued_joins import find_crossed_joins
 
 BLENDING_TOLERANCE = 0.0065
@@ -374,17 +375,19 @@ def _measure_move(before: Pattern, after: Pattern, join: SmoothJoin) -> float:
 
 
 def _name_line(pattern: Pattern, join: SmoothJoin) -> str:
-    """Return the name of the line that passes a join; of an unnamed seam, what it is sewn to."""
+    """Return the name of the line that passes a join: its contour or seam; of an unnamed seam, what it is sewn to."""
     first, _ = boundary_edges(pattern, join)
-    edge = pattern.panel(first.panel).edges[first.edge]
+    contour = pattern.panel(first.panel).edges[first.edge].contour.split(".")[0]
     other = find_sewn_partners(pattern).get(first)
-    return (edge.contour or edge.label).split(".")[0] or ("open edge" if other is None else f"seam to {other.panel}")
+    return contour or _name_seam_of(pattern, first) or ("open edge" if other is None else f"seam to {other.panel}")
 
 
 def _name_seam(pattern: Pattern, join: SmoothJoin) -> str:
     """Return the name of the seam that ends at a join; of a panel's own corner, that of the panel."""
     names = " to ".join(dict.fromkeys(name for name, _ in join.corners))
-    if not join.seam:
-        return names
-    ref = join.seam[0]
-    return pattern.panel(ref.panel).edges[ref.edge].label.split(".")[0] or names
+    return (_name_seam_of(pattern, join.seam[0]) if join.seam else "") or names
+
+
+def _name_seam_of(pattern: Pattern, ref: EdgeRef) -> str:
+    """Return the name of the seam of an edge, or an empty text."""
+    return next((name_seam(pattern, seam).name for seam in pattern.seams if ref in (seam.a, seam.b)), "")
