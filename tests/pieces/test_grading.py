@@ -33,12 +33,14 @@ from garmentq.core.garment.sizes.closing import find_eased_seams, measure_ease
 from garmentq.core.garment.sizes.errors import CapUnfit
 from garmentq.core.garment.sizes.graded import GradedPattern, grade_pattern
 from garmentq.core.garment.sizes.growth import Growth
+from garmentq.core.garment.sizes.raglan_points import find_raglan_halves, find_raglan_throat, find_shares
 from garmentq.core.garment.templates import draft_template, load_template
 from pypdf import PdfReader
 from shapely.geometry import LineString, Polygon
 
 BASE = BodyMeasures()
 SHIRT = "tshirt+sleeve=long,sleeve_head=set-in,front=buttons,collar=shirt,cuff=shirt,yoke=back"
+RAGLAN = "long_sleeve_tshirt+sleeve_head=raglan"
 UNEVEN = Growth.follow(0.08, 0.05, 0.06, 1.02)
 """A size whose girths do not grow alike, of a taller wearer."""
 
@@ -76,7 +78,7 @@ def girth_at_underarm(path: Path) -> float:
 
 
 @pytest.mark.parametrize("drafted", [True, False])
-@pytest.mark.parametrize("name", ["tshirt", "dress", "trousers", "skirt", SHIRT])
+@pytest.mark.parametrize("name", ["tshirt", "dress", "trousers", "skirt", SHIRT, RAGLAN])
 @pytest.mark.parametrize("growth", [Growth.follow(-0.08, -0.08, -0.08), Growth.follow(0.16, 0.16, 0.16), UNEVEN])
 def test_every_figure_grows_by_its_rule(name, growth, drafted):
     """Broken where a figure is 1 mm off its rule, a seam walks off, or a cap gets another ease than the base's."""
@@ -97,7 +99,26 @@ def test_a_sleeve_grows_as_the_trade_grades_it():
         for value in (lambda h: 2 * h.width, lambda h: h.cap_height, lambda h: h.length - h.cap_height)
     )
     assert width == pytest.approx(0.012, abs=1e-5)
-    assert np.all((cap > 3.5e-3) & (cap < 5.5e-3)) and np.all((under >= 0.0) & (under < 2e-3))
+    assert np.all((cap > 2e-3) & (cap < 5e-3)) and np.all((under >= 0.0) & (under < 3e-3))
+
+
+@pytest.mark.parametrize("drafted", [True, False])
+def test_a_raglan_sleeve_grows_from_the_side_neck_point(drafted):
+    """Broken where a raglan sleeve follows the draft alone: its neckline, its length with the shoulder, and its bicep
+    have no rule, or the bodice and the sleeve do not share the neckline's growth as they share its width."""
+    pattern, graded = grade(RAGLAN, Growth.follow(0.08, 0.08, 0.08), drafted)
+    grown = {figure.name: figure.value(graded.pattern) - figure.value(pattern) for figure in graded.figures}
+    assert grown["bicep"] == pytest.approx(0.024, abs=1e-5)
+    assert grown["sleeve length"] == pytest.approx(0.010 + 0.005, abs=1e-5)
+    assert grown["neck width, front"] == pytest.approx(0.008, abs=1e-5)
+    assert grown["neck depth, front"] == pytest.approx(0.004, abs=1e-5)
+    halves = find_raglan_halves(pattern)
+    assert len(halves) == len(find_arm_halves(pattern)) == 4
+    for half in halves:
+        throat = find_raglan_throat(pattern, next(f for f in find_bodice_points(pattern) if f.face is half.face))
+        wide, deep = find_shares(pattern, half, throat)
+        assert 0.4 < wide < 1.0 and 0.0 <= deep < 1.0
+    assert not find_raglan_halves(load_template("tshirt")) and not find_raglan_halves(load_template(SHIRT))
 
 
 @pytest.mark.parametrize("drafted", [True, False])

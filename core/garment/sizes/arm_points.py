@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,6 +13,7 @@ from ..panel_parts import find_arm_panels
 from ..pattern import EdgeRef, Panel, Pattern
 from ..seams import find_sewn_partners
 from .bodice_points import PointRef, find_bodice_points
+from .raglan_points import find_arm_axes, find_raglan_halves
 
 SAME_PLANE_TOLERANCE = 1e-6
 """Difference of two panels' rotations up to which they lie in one plane [1]: a file's rounding."""
@@ -33,6 +35,8 @@ class ArmHalf:
         panels: Names of its panels, those of cuffs too.
         along, across: Unit vectors of the coordinates, in the placed plane, shape [3].
         cap_height, width, length, end_width: Underarm point along and across, sleeve's end along and its width [m].
+        shoulder: How far the shoulder's tip is along from the top [m]: more than 0 where a raglan sleeve begins at the
+            neck.
     """
 
     sign: int
@@ -46,12 +50,13 @@ class ArmHalf:
     width: float
     length: float
     end_width: float
+    shoulder: float = 0.0
 
 
 @memoise
 def find_arm_halves(pattern: Pattern) -> tuple[ArmHalf, ...]:
-    """Find the halves of both sleeves; empty where no cap reaches from a shoulder's tip to an underarm point (none, or
-    raglan sleeves)."""
+    """Find the halves of both sleeves; empty where no cap reaches from a shoulder's tip, or a neckline, to an underarm
+    point."""
     tops = {ref: sign for face in find_bodice_points(pattern) for sign, ref in face.tips.items()}
     unders = {ref: sign for face in find_bodice_points(pattern) for sign, ref in face.underarms.items()}
     depths = find_arm_panels(pattern)
@@ -68,7 +73,31 @@ def find_arm_halves(pattern: Pattern) -> tuple[ArmHalf, ...]:
         if along is None:
             continue
         halves += [_measure_half(pattern, sign, top, under, along, tuple(group), len(own) == 2) for under in own]
-    return tuple(half for half in halves if half is not None)
+    found = tuple(half for half in halves if half is not None)
+    return found or tuple(_list_raglan_arms(pattern, unders, sewn))
+
+
+def _list_raglan_arms(
+    pattern: Pattern, unders: dict[PointRef, int], sewn: list[tuple[PointRef, PointRef]]
+) -> Iterator[ArmHalf]:
+    """Yield the halves of raglan sleeves, their caps' tops at the side neck points.
+
+    Args:
+        pattern: The pattern.
+        unders: Underarm points of the trunk, with their sides.
+        sewn: Points of sleeves with those of the trunk that they are sewn to.
+    """
+    depths = find_arm_panels(pattern)
+    for raglan in find_raglan_halves(pattern):
+        own = [ref for ref, trunk in sewn if trunk in unders and ref[0] == raglan.top[0]]
+        plane = [name for name in depths if _in_one_plane(pattern.panel(name), pattern.panel(raglan.top[0]))]
+        group = tuple(name for name in plane if _find_sign(pattern, name) == raglan.sign)
+        along, _ = find_arm_axes(pattern, raglan)
+        half = _measure_half(pattern, raglan.sign, raglan.top, own[0], along, group, False) if own else None
+        if half is not None:
+            panel = pattern.panel(raglan.shoulder[0])
+            tip, _ = arm_coordinates(pattern, half, panel, panel.points[[raglan.shoulder[1]]])
+            yield replace(half, shoulder=float(tip[0]) if raglan.shoulder != raglan.over[1] else 0.0)
 
 
 def is_cap_low(halves: tuple[ArmHalf, ...]) -> bool:

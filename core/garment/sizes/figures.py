@@ -27,7 +27,8 @@ from .bodice_points import (
 from .growth import Growth
 from .leg_points import find_leg_points
 from .levels import Levels
-from .sleeve_moves import ARM_LENGTH_SHARE
+from .raglan_points import RaglanHalf, find_arm_axes, find_raglan_halves, find_raglan_throat, find_shares
+from .sleeve_moves import find_wrist
 
 ACROSS_AXIS, UP_AXIS = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
 """Directions in which panels of the trunk are measured: towards the wearer's left, and up [1]."""
@@ -140,10 +141,32 @@ def _find_face_figures(pattern: Pattern, face: FacePoints, levels: Levels) -> li
         shares = {"neck": NECK_SHARE} if face.face is Side.FRONT else {}
         low = [(ref, -UP_AXIS / len(face.throat)) for ref in face.throat]
         found.append(Figure(f"neck depth, {side}", Rule(shares), [*tops, *low], low))
+    raglans = [half for half in find_raglan_halves(pattern) if half.face is face.face]
+    if len(raglans) == 2:
+        found += _find_raglan_neck(pattern, raglans, find_raglan_throat(pattern, face))
+        tops = [(half.tip, UP_AXIS / 2.0) for half in raglans]
     if tops and face.hems:
         low = [(ref, -UP_AXIS / len(face.hems)) for ref in face.hems]
         height = float(np.mean([_place(pattern, ref)[1] for ref in face.hems]))
         found.append(Figure(f"length, {side}", Rule(levels.find_shares(height), True), [*tops, *low], low))
+    return found
+
+
+def _find_raglan_neck(pattern: Pattern, halves: list[RaglanHalf], throat: tuple[PointRef, ...]) -> list[Figure]:
+    """Return the figures of a neckline whose sides belong to raglan sleeves: trunk and sleeves grow by their shares."""
+    side, wide, wide_steps, deep, deep_steps = str(halves[0].face), *([], [], [], [])
+    for half in halves:
+        along, across = find_arm_axes(pattern, half)
+        width, depth = find_shares(pattern, half, throat)
+        wide += [(half.tip, half.sign * ACROSS_AXIS), (half.top, along), (half.neck, -along)]
+        wide_steps += [(half.tip, half.sign * width * ACROSS_AXIS), (half.neck, (width - 1.0) * along)]
+        deep += [(half.tip, 0.5 * UP_AXIS), (half.neck, 0.5 * across), (half.top, -0.5 * across)]
+        deep += [(ref, -0.5 / len(throat) * UP_AXIS) for ref in throat]
+        deep_steps += [(half.neck, (1.0 - depth) * across), *((ref, -0.5 * depth * UP_AXIS) for ref in throat)]
+    found = [Figure(f"neck width, {side}", Rule({"neck": 2.0 * NECK_SHARE}), wide, wide_steps)]
+    if throat:
+        shares = {"neck": NECK_SHARE} if halves[0].face is Side.FRONT else {}
+        found.append(Figure(f"neck depth, {side}", Rule(shares), deep, deep_steps))
     return found
 
 
@@ -209,16 +232,17 @@ def _find_sleeve_figures(halves: tuple[ArmHalf, ...], height: float) -> list[Fig
     long = long or [(half.ends[1], half.along / len(halves)) for half in halves]
     ends = [(ref, side * half.across / arms) for half in halves for ref, side in zip(half.ends, (-1, 1), strict=True)]
     first = halves[0]
-    wrist = max(ARM_LENGTH_SHARE * height, first.cap_height + 1e-3)
+    wrist = find_wrist(first, height)
     share = float(np.interp(first.length, [first.cap_height, wrist], [0.0, 1.0]))
     tops: Terms = [(half.top, -half.across / arms) for half in halves]
     backs: Terms = [(half.top, -half.along / len(halves)) for half in halves]
     lower = ends[1::2]
     both: Terms = [(ref, half.along) for half in halves for ref in half.ends if ref != half.top]
+    lengths = {"shoulder": 1.0, "arm_length": 1.0} if first.shoulder else {"arm_length": 1.0}
     bicep = Figure("bicep", Rule({"upper_arm": 1.0}), [*wide, *tops], wide)
     return [
         *([] if is_cap_low(halves) else [bicep]),
-        Figure("sleeve length", Rule({"arm_length": 1.0}, True), [*long, *backs], both),
+        Figure("sleeve length", Rule(lengths, True), [*long, *backs], both),
         Figure("sleeve end", Rule({"upper_arm": 1.0 - share, "wrist": share}), ends, lower),
     ]
 

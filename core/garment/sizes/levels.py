@@ -12,6 +12,7 @@ from ..parts.legs import KNEE_HEIGHT_SHARE
 from ..pattern import Pattern
 from .bodice_points import FacePoints, PointRef, find_bodice_points
 from .growth import Growth
+from .raglan_points import find_raglan_halves, measure_neck_depth
 
 MIN_LEVEL_SPACING = 1e-3
 """Smallest distance of two heights at which lengths grow [m]: they are in order also on unusual bodies."""
@@ -45,6 +46,8 @@ class Levels:
             return cls(top, None, None, base.waist_height, base.hip_height, knee)
         tip, underarm = (mean_height(pattern, faces, name) for name in ("tips", "underarms"))
         top = mean_height(pattern, faces, "necks") if any(face.necks for face in faces) else tip
+        if raglans := find_raglan_halves(pattern):
+            top = tip + float(np.mean([measure_neck_depth(pattern, half) for half in raglans]))
         off = top - base.nape_height
         return cls(top, tip, underarm, base.waist_height + off, base.hip_height + off, knee + off)
 

@@ -45,16 +45,22 @@ def move_sleeves(pattern: Pattern, trunk: Pattern, growth: Growth, height: float
     return replace(trunk, panels=tuple(panels[panel.name] for panel in trunk.panels))
 
 
+def find_wrist(half: ArmHalf, height: float) -> float:
+    """Return the distance of a wearer's wrist along the arm from a cap's top [m], below the underarm point."""
+    return max(half.shoulder + ARM_LENGTH_SHARE * height, half.cap_height + 1e-3)
+
+
 def find_arm_growth(half: ArmHalf, growth: Growth, height: float, along: np.ndarray) -> np.ndarray:
     """Return the growth of a sleeve's girth [m] at some distances along the arm from the cap's top [m]."""
-    wrist = max(ARM_LENGTH_SHARE * height, half.cap_height + 1e-3)
+    wrist = find_wrist(half, height)
     found: np.ndarray = np.interp(along, [half.cap_height, wrist], [growth.upper_arm, growth.wrist])
     return found
 
 
 def find_sleeve_growth(half: ArmHalf, growth: Growth) -> float:
-    """Return the growth of a sleeve's length [m]."""
-    return growth.arm_length + (growth.stature - 1.0) * half.length
+    """Return the growth of a sleeve's length [m], with that of the shoulder where it begins at the neck."""
+    shoulder = growth.shoulder if half.shoulder else 0.0
+    return shoulder + growth.arm_length + (growth.stature - 1.0) * half.length
 
 
 def _move_sleeve(

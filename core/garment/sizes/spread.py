@@ -22,6 +22,7 @@ from .growth import Growth
 from .leg_points import LegPoints, find_leg_points
 from .levels import Levels
 from .moves import move_panel
+from .raglan_points import find_raglan_halves
 
 FORK_SHARES = {"front": 1.0 / 16.0, "back": 1.0 / 8.0}
 """Share of the hips' growth by which the crotch point of a leg's front and back moves inwards (W. Aldrich, Metric
@@ -96,7 +97,8 @@ class _Profile:
                     own = pattern.panel(panel)
                     found.append(abs(float(place_points(own, own.points[i])[0]) - middle))
         neck = NECK_SHARE * growth.neck
-        grown = {"necks": neck, "tips": neck + growth.shoulder, "underarms": growth.bust / 4.0}
+        shoulder = 0.0 if find_raglan_halves(pattern) else growth.shoulder
+        grown = {"necks": neck, "tips": neck + shoulder, "underarms": growth.bust / 4.0}
         known = sorted((float(np.mean(found)), grown[name]) for name, found in knots.items() if found)
         heights = np.array([levels.hip, levels.waist, *([] if levels.underarm is None else [levels.underarm])])
         sides = np.array([growth.hip, growth.waist, growth.bust][: len(heights)]) / 4.0
