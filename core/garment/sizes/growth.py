@@ -1,7 +1,7 @@
 """How a wearer's measures grow from size to size, where a table of sizes does not say it.
 
-The ratios are the steps of W. Aldrich's standard body measurements (Metric Pattern Cutting for Women's Wear, women of
-medium height, sizes 6 to 18), in which bust, waist and hips grow by 4 cm from size to size.
+The ratios are the steps of W. Aldrich's standard body measurements (Metric Pattern Cutting for Women's Wear, 5th
+edition, women of medium height, sizes 6 to 20), in which bust, waist and hips grow by 4 cm from size to size.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ UPPER_ARM_GROWTH_RATIO = 3.0 / 10.0
 WRIST_GROWTH_RATIO = 1.0 / 8.0
 """Ratio of the growth of the wrist's girth to that of the bust: 5 mm for 4 cm."""
 
-ARMHOLE_DEPTH_GROWTH_RATIO = 1.0 / 8.0
-"""Ratio of the growth of the armhole's depth to that of the bust: 5 mm for 4 cm."""
+ARMHOLE_DEPTH_GROWTH_RATIO = 1.0 / 10.0
+"""Ratio of the growth of the armhole's depth to that of the bust: 4 mm for 4 cm."""
 
 ARM_LENGTH_GROWTH_RATIO = 1.0 / 8.0
 """Ratio of the growth of the arm's length to that of the bust: 5 mm for 4 cm."""
 
-BACK_LENGTH_GROWTH_RATIO = 1.0 / 8.0
-"""Ratio of the growth of the length from nape to waist to that of the bust: 5 mm for 4 cm."""
+BACK_LENGTH_GROWTH_RATIO = 1.0 / 10.0
+"""Ratio of the growth of the length from nape to waist to that of the bust: 4 mm for 4 cm."""
 
 HIP_DEPTH_GROWTH_RATIO = 3.0 / 40.0
 """Ratio of the growth of the length from waist to hips to that of the hips: 3 mm for 4 cm."""
