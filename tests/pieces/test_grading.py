@@ -121,6 +121,15 @@ def test_a_raglan_sleeve_grows_from_the_side_neck_point(drafted):
     assert not find_raglan_halves(load_template("tshirt")) and not find_raglan_halves(load_template(SHIRT))
 
 
+def test_men_grow_less_at_the_hips_than_women():
+    """Broken where a men's chart grows hips, armholes and lengths by the ratios of women's."""
+    lines = PUBLISHED_CHARTS["ru-men"].lines
+    growth = table_growth(replace(BASE, bust=1.0, waist=0.78, hip=0.964), 1.76, lines[4], lines)
+    assert (growth.bust, growth.waist, growth.hip) == pytest.approx((0.04, 0.04, 0.024))
+    assert (growth.armhole_depth, growth.back_length, growth.rise) == pytest.approx((0.003, 0.002, 0.001))
+    assert growth.neck == pytest.approx(0.008) and growth.stature == pytest.approx(1.0)
+
+
 @pytest.mark.parametrize("drafted", [True, False])
 def test_caps_and_armholes_keep_their_tangents(drafted):
     """Broken where a cap gets a peak or a dent over the shoulder as sizes grow, or an armhole is not level below."""

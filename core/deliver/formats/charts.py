@@ -40,6 +40,31 @@ WOMEN_SOURCE = (
 """Where the women's sizes are published."""
 
 
+MEN_SOURCE = (
+    "GOST 17521-72, typical figures of men, first group of fullness, 176 cm tall: the measures of size 50 and their "
+    "steps for 4 cm of chest, as published in Seamly2D's table gost_man_ru"
+)
+"""Where the men's sizes are published."""
+
+MEN_SIZES: Mapping[str, tuple[float, float]] = MappingProxyType({
+    "bust": (100.0, 4.0), "waist": (78.0, 4.0), "hip": (96.4, 2.4), "neck": (40.4, 0.8), "shoulder": (16.0, 0.1),
+    "upper_arm": (31.6, 1.2), "wrist": (18.0, 0.4), "armhole_depth": (20.8, 0.3), "arm_length": (59.4, 0.3),
+    "back_length": (43.8, 0.2), "rise": (26.0, 0.1),
+})  # fmt: skip
+"""Measures of men's size 50 and their steps from size to size [cm]; hips without the abdomen, the armhole's depth from
+the nape to the level of the armpits, and the rise at the side of a sitting man."""
+
+MEN_STEPS = range(-3, 5)
+"""Sizes 44 to 58, in steps from size 50; a size is half the chest's girth [cm]."""
+
+
+def _make_men() -> tuple[SizeLine, ...]:
+    def measure(step: int) -> dict[str, float]:
+        return {name: round(value + step * more, 1) for name, (value, more) in MEN_SIZES.items()}
+
+    return tuple(SizeLine(f"{50 + 2 * step}", height=176.0, **measure(step)) for step in MEN_STEPS)
+
+
 def _make_women(names: tuple[str, ...], height: float | None) -> tuple[SizeLine, ...]:
     columns = zip(
         names, BUST_GIRTHS_CM, WAIST_GIRTHS_CM, HIP_GIRTHS_CM, NECK_GIRTHS_CM, SHOULDER_LENGTHS_CM, strict=True
@@ -79,6 +104,7 @@ PUBLISHED_CHARTS: Mapping[str, Chart] = MappingProxyType({
         "misses' sizes 6 to 20 of paper patterns", "Measurement Standard Committee of the pattern industry, 1968",
         _make_misses(),
     ),
+    "ru-men": Chart("men's sizes 44 to 58, half the chest, 176 cm tall", MEN_SOURCE, _make_men()),
 })  # fmt: skip
 """The charts by name."""
 

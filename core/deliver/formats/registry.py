@@ -25,7 +25,7 @@ and returns its files. A new format is one entry here."""
 DIALECTS = ("aama", "astm", "clo", "gerber", "optitex", "seamly", "richpeace", "flat")
 """Dialects of DXF; `dialects.py` has their differences. `flat` is for lasers and drawing programs (`flat_dxf.py`)."""
 
-CHARTS = ("uk-women", "de-women", "us-misses")
+CHARTS = ("uk-women", "de-women", "us-misses", "ru-men")
 """Names of the charts of sizes in `charts.py`."""
 
 TABLE_UNITS: Mapping[str, float] = MappingProxyType({"cm": 1.0, "mm": 0.1, "inch": 2.54})
