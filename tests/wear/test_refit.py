@@ -11,14 +11,18 @@ import pytest
 from garmentq.core.body.builtin import builtin_body
 from garmentq.core.cloth.fabrics import get_fabric
 from garmentq.core.garment.control import map_controls
+from garmentq.core.garment.pattern import Edge, Panel, Pattern
 from garmentq.core.garment.polygon import polygon_area
 from garmentq.core.garment.seams import equalise_seams, seam_mismatch
 from garmentq.core.garment.sewing import mesh_pattern
-from garmentq.core.garment.templates import list_templates, load_draped_template
+from garmentq.core.garment.sizes.figures import find_figures
+from garmentq.core.garment.templates import list_templates, load_draped_template, load_template
+from garmentq.core.recover.drape.sizing import measure_wearer
+from garmentq.core.reuse.wear.body_growth import measure_growth
 from garmentq.core.reuse.wear.ease import MeasuredBody, measure_ease, measure_unposed_ease
 from garmentq.core.reuse.wear.fitting import widen_draft
 from garmentq.core.reuse.wear.kept_ease import EasePrediction
-from garmentq.core.reuse.wear.refit import refit_pattern
+from garmentq.core.reuse.wear.refit import RefitWay, refit_pattern
 from garmentq.core.reuse.wear.waist import transfer_curve
 from garmentq.core.reuse.wear.widening import widening_rules
 from garmentq.core.reuse.wear.worn import WornGarment
@@ -70,7 +74,7 @@ def test_there_and_back(name, bodies):
     old, new = bodies
     worn = hang(name, old)
     there = refit_pattern(worn, new)
-    assert there.is_drafted and seam_mismatch(there.pattern) < 1e-5
+    assert there.way is RefitWay.DRAFT and seam_mismatch(there.pattern) < 1e-5
     laid = EasePrediction.of(worn.garment, old, worn.waist, new)
     if name in WORN:  # the ease of others is not foreseen as well
         assert max(abs(value) for value in laid.predict_change(there.pattern).values()) < 5e-3
@@ -144,12 +148,44 @@ def test_wearer_himself_keeps_every_point(bodies):
     assert refit_pattern(worn, posed).pattern is worn.pattern
 
 
-def test_pattern_without_a_draft_is_scaled(bodies):
-    """Broken where an imported pattern is refused, left as it is, or taken for the template of its name."""
+@pytest.mark.parametrize("name", ["tshirt", "trousers", "dress", "skirt", "tshirt+sleeve=long,sleeve_head=set-in"])
+def test_pattern_without_a_draft_is_graded(name, bodies):
+    """Broken where an imported pattern is refused, left as it is, taken for the template of its name, or scaled: its
+    neck then grows with its chest, and its ease with the body."""
     old, new = bodies
-    worn = wear("mine", size_template("tshirt", old), old)
-    for each in (worn, replace(worn, template="trousers")):
+    pattern = size_template(name, old) if "+" not in name else load_template(name)
+    worn = wear("mine", pattern, old)
+    for each in (worn, replace(worn, template="pencil_skirt")):
         found = refit_pattern(each, new)
-        assert not found.is_drafted
-        assert found.pattern.points[:, 0].std() > worn.pattern.points[:, 0].std()
-        assert seam_mismatch(found.pattern) < 1e-3
+        assert found.way is RefitWay.RULES
+        assert seam_mismatch(found.pattern) < seam_mismatch(pattern) + 1e-5
+    growth, base = measure_growth(old, new), measure_wearer(old)
+    figures = find_figures(pattern, base, 1.70)
+    for figure in figures:
+        grown = figure.value(found.pattern) - figure.value(pattern)
+        assert grown == pytest.approx(figure.rule.grow(growth, figure.value(pattern)), abs=1e-4), figure.name
+    girth = {"trousers": "hip", "skirt": "waist"}.get(name, "chest")
+    body = {"chest": "bust"}.get(girth, girth)
+    chest = next(figure for figure in figures if figure.name == girth)
+    more = getattr(measure_wearer(new), body) - getattr(base, body)
+    assert chest.value(found.pattern) - chest.value(pattern) == pytest.approx(more, abs=1e-4)
+
+
+def test_there_and_back_by_rules(bodies):
+    """Broken where measures of two bodies are compared in one order only, so that there and back is elsewhere."""
+    old, new = bodies
+    one, other = measure_growth(old, new), measure_growth(new, old)
+    for name in ("bust", "waist", "hip", "neck", "shoulder", "upper_arm"):
+        assert getattr(one, name) == pytest.approx(-getattr(other, name))
+    assert one.stature * other.stature == pytest.approx(1.0)
+    assert one.arm_length == pytest.approx(-one.stature * other.arm_length)
+    assert measure_growth(old, old).is_zero
+
+
+def test_pattern_without_named_points_is_scaled(bodies):
+    """Broken where a cloth without neck, arms or waist is graded by rules for points that it does not have."""
+    old, new = bodies
+    corners = np.array([[-0.5, 0.0], [0.5, 0.0], [0.5, 0.6], [-0.5, 0.6]])
+    shawl = Pattern("shawl", (Panel("cloth", corners, (Edge(),) * 4),), ())
+    found = refit_pattern(wear("mine", shawl, old), new)
+    assert found.way is RefitWay.SCALE and np.ptp(found.pattern.points[:, 0]) > 1.0

@@ -1,8 +1,11 @@
-"""Make a pattern to measure: move it by what its draft changes from one body to another."""
+"""Make a pattern to measure: move it by what its draft changes from one body to another, or by grade rules."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from enum import StrEnum
+from types import MappingProxyType
 
 import numpy as np
 
@@ -12,10 +15,13 @@ from ...cloth.fabric import Fabric
 from ...garment.measure_change import move_by_drafts, scale_panels
 from ...garment.pattern import Pattern
 from ...garment.sewing import mesh_pattern
+from ...garment.sizes.errors import CapUnfit
+from ...garment.sizes.graded import grade_pattern
 from ...garment.templates import TemplateUnknown
 from ...recover.drape.sizing import measure_wearer
 from ...run.clock import Clock
 from ...run.hooks import SILENT_HOOKS, Hooks
+from .body_growth import measure_growth, measure_stature
 from .dressing import DressedGarment, dress_body
 from .ease import Ease, measure_ease
 from .fitting import fit_draft
@@ -35,19 +41,35 @@ MAX_GIRTH_EDGE_COUNT = 8
 draft's loses at most 8 d more ease than it. Where a line meets the crotch on one of the bodies the prediction is larger
 (148 mm at the thighs of shorts that are 8 mm off) and wrong."""
 
-SCALED_PATTERN_WARNING = (
-    "the pattern is not a shipped template's, so its draft is not known: its panels were scaled by the ratios of both "
-    "bodies' girths and heights, which is approximate."
-)
-"""Warning of a pattern without a draft."""
+MIN_GRADED_FIGURE_COUNT = 3
+"""Smallest number of figures by which a pattern without a draft is graded: a skirt has its waist, its hips or its hem,
+and its length; with fewer, points are missing that rules move."""
+
+
+class RefitWay(StrEnum):
+    """List the ways in which a pattern is made to measure."""
+
+    DRAFT = "draft"
+    RULES = "rules"
+    SCALE = "scale"
+
+
+WAY_WARNINGS: Mapping[RefitWay, str] = MappingProxyType({
+    RefitWay.RULES: "the pattern is not a shipped template's, so its draft is not known: its named points were moved "
+    "by grade rules for the difference of both bodies' measures, and the rest was spread between them.",
+    RefitWay.SCALE: "the pattern is not a shipped template's, and too few of its points can be named for grade rules; "
+    "its panels were scaled by the ratios of both bodies' girths and heights, which is approximate.",
+})  # fmt: skip
+"""Warnings of a pattern without a draft."""
 
 
 @dataclass(frozen=True)
 class RefittedPattern:
-    """Describe a pattern made to measure, seams equalised: moved by a draft, or else scaled by ratios of measures."""
+    """Describe a pattern made to measure, seams equalised, and how: moved by a draft, by grade rules on named points,
+    or scaled by ratios of measures."""
 
     pattern: Pattern
-    is_drafted: bool
+    way: RefitWay
 
 
 def refit_pattern(worn: WornGarment, body: Body, hooks: Hooks = SILENT_HOOKS) -> RefittedPattern:
@@ -59,6 +81,9 @@ def refit_pattern(worn: WornGarment, body: Body, hooks: Hooks = SILENT_HOOKS) ->
     `MAX_DRAFT_EASE_CHANGE` of ease is predicted to be lost beyond the draft's loss, and no more than its form can lose,
     it is widened itself. Seams are equalised. For a body of the wearer's own measures nothing moves.
 
+    A pattern without a draft is graded by its named points (`grade_pattern`); one in which too few can be named, or
+    whose sleeves fit no armhole of that size, is scaled.
+
     Args:
         worn: The garment on its wearer.
         body: The new wearer.
@@ -69,20 +94,20 @@ def refit_pattern(worn: WornGarment, body: Body, hooks: Hooks = SILENT_HOOKS) ->
     """
     pattern = worn.pattern
     if measure_wearer(worn.body) == measure_wearer(body):
-        return RefittedPattern(pattern, True)
+        return RefittedPattern(pattern, RefitWay.DRAFT)
     try:
         old, new = (fit_draft(worn.template, each, hooks) for each in (worn.body, body))
     except TemplateUnknown:
-        return RefittedPattern(_scale(worn, body), False)
+        return _refit_without_draft(worn, body)
     moved = move_by_drafts(pattern, old.pattern, new.pattern)
     if moved is None:
-        return RefittedPattern(_scale(worn, body), False)
+        return _refit_without_draft(worn, body)
     laid, error = EasePrediction.of(worn.garment, worn.body, worn.waist, body), old.predict_ease(new)
     laid = replace(laid, ease={place: ease + error.get(place, 0.0) for place, ease in laid.ease.items()})
     off = float(np.linalg.norm(pattern.points - old.pattern.points, axis=1).max())
     if MAX_DRAFT_EASE_CHANGE < max_ease_change(laid, moved) <= MAX_GIRTH_EDGE_COUNT * off:
         moved = preserve_ease(moved, laid, widening_rules(worn.template))
-    return RefittedPattern(moved, True)
+    return RefittedPattern(moved, RefitWay.DRAFT)
 
 
 def make_to_measure(worn: WornGarment, body: Body, fabric: Fabric | None, clock: Clock) -> DressedGarment:
@@ -104,7 +129,7 @@ def make_to_measure(worn: WornGarment, body: Body, fabric: Fabric | None, clock:
             mesh = mesh_pattern(found.pattern, len(worn.garment.nodes))
             made = replace(worn, garment=mesh)
     dressed = dress_body(made, body, fabric, clock)
-    notes = () if found.is_drafted else (SCALED_PATTERN_WARNING,)
+    notes = (WAY_WARNINGS[found.way],) if found.way in WAY_WARNINGS else ()
     changes = {one.place: one.value - was for one, was in _pair_ease(dressed.ease, before)}
     deviations = [
         f"{1e3 * change:+.0f} mm at the {place}"
@@ -123,6 +148,18 @@ def _pair_ease(now: tuple[Ease, ...], before: tuple[Ease, ...]) -> list[tuple[Ea
     """Return what was measured on both bodies, each with the ease on the first [m]."""
     was = {one.place: one.value for one in before}
     return [(one, was[one.place]) for one in now if one.place in was]
+
+
+def _refit_without_draft(worn: WornGarment, body: Body) -> RefittedPattern:
+    """Return a pattern of which no draft is known made to measure: by grade rules, or else scaled."""
+    growth, base = measure_growth(worn.body, body), measure_wearer(worn.body)
+    try:
+        graded = grade_pattern(worn.pattern, base, measure_stature(worn.body), growth)
+    except CapUnfit:
+        return RefittedPattern(_scale(worn, body), RefitWay.SCALE)
+    if len(graded.figures) < MIN_GRADED_FIGURE_COUNT:
+        return RefittedPattern(_scale(worn, body), RefitWay.SCALE)
+    return RefittedPattern(graded.pattern, RefitWay.RULES)
 
 
 def _scale(worn: WornGarment, body: Body) -> Pattern:
