@@ -9,7 +9,8 @@ import numpy as np
 
 from .memo import memoise
 from .orientation import place_points
-from .pattern import Panel, Pattern
+from .pattern import EdgeRef, Panel, Pattern
+from .seams import find_sewn_partners
 
 PART_WORDS = ("sleeve", "arm", "cuff", "collar", "hood", "band", "wb", "skirt", "leg", "pant", "yoke", "body", "torso")
 """Words of labels, or else of names, of panels that say which part of a garment they belong to."""
@@ -58,7 +59,7 @@ def find_side(panel: Panel) -> Side:
 @memoise
 def find_arm_panels(pattern: Pattern) -> dict[str, int]:
     """Return the panels on the arms, each with its number of seams from the trunk: those that are called so, and those
-    that lie beside the trunk, as far from the middle as its panels are wide."""
+    that lie beside the trunk, as far from the middle as its panels are wide, and are no gores of it."""
     spans = {panel.name: place_points(panel, panel.points)[:, 0] for panel in pattern.panels}
     x = np.concatenate(list(spans.values()))
     middle = (x.min() + x.max()) / 2.0
@@ -66,12 +67,15 @@ def find_arm_panels(pattern: Pattern) -> dict[str, int]:
         name for name, own in spans.items() if own.min() - middle < MIDDLE_REACH and own.max() - middle > -MIDDLE_REACH
     }
     half = max((float(np.abs(spans[name] - middle).max()) for name in at_middle), default=np.inf)
-    arms = {
+    called = {panel.name for panel in pattern.panels if find_part(panel) in ARM_PARTS}
+    beside = {
         panel.name
         for panel in pattern.panels
-        if find_part(panel) in ARM_PARTS
-        or (not find_part(panel) and panel.name not in at_middle and abs(spans[panel.name].mean() - middle) > half)
+        if not find_part(panel) and panel.name not in at_middle and abs(spans[panel.name].mean() - middle) > half
     }
+    while gores := {name for name in beside if _is_gore(pattern, name, called | beside)}:
+        beside -= gores
+    arms = called | beside
     depths: dict[str, int] = {}
     reached, depth = set(spans) - arms, 0
     while reached:
@@ -81,3 +85,22 @@ def find_arm_panels(pattern: Pattern) -> dict[str, int]:
         reached = {name for name in links & arms if name not in depths}
         depths |= dict.fromkeys(reached, depth)
     return depths
+
+
+def _is_gore(pattern: Pattern, name: str, arms: set[str]) -> bool:
+    """Check whether a panel beside the trunk is a part of it: each of its open runs, waist and hem, begins or ends at a
+    seam with the trunk, and it is sewn to one other such panel at most. A sleeve's end lies between seams of the arm;
+    the free edge of a sleeve that is a cap alone lies between both ends of one seam."""
+    partners, count = find_sewn_partners(pattern), len(pattern.panel(name).edges)
+    found = [partners.get(EdgeRef(name, i)) for i in range(count)]
+    others = [None if ref is None else ref.panel for ref in found]
+    trunk = {other for other in others if other is not None and other not in arms}
+    beyond = {other for other in others if other in arms}
+    starts = [i for i in range(count) if others[i] is None and others[i - 1] is not None]
+    if not trunk or not starts or len(beyond) > 1 or (not beyond and len(starts) == 1 and len(trunk) < 3):
+        return False
+    for start in starts:
+        end = next(k % count for k in range(start, start + count) if others[k % count] is not None)
+        if not {others[start - 1], others[end]} & trunk:
+            return False
+    return True

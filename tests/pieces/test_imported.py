@@ -12,6 +12,7 @@ from garmentq.core.garment.editing.edge_division import divide
 from garmentq.core.garment.garmentcode import read_pattern
 from garmentq.core.garment.garmentcode_writer import write_pattern
 from garmentq.core.garment.grain import list_unknown_grains
+from garmentq.core.garment.panel_parts import find_arm_panels
 from garmentq.core.garment.pattern import Edge, EdgeRef, Panel, Pattern, Seam
 from garmentq.core.garment.pieces.joining import join_halves
 from garmentq.core.garment.pieces.make import make_pieces
@@ -100,6 +101,18 @@ def test_open_edges_are_named_as_the_garment_is_worn():
     named = name_open_edges(replace(draped, pattern=replace(draped.pattern, panels=bare)))
     for panel, drafted in zip(named.panels, draped.pattern.panels, strict=True):
         assert [edge.contour for edge in panel.edges] == [edge.contour for edge in drafted.edges]
+
+
+GORED = "skirt+skirt=gored,gores=8"
+
+
+@pytest.mark.parametrize("name", [GORED, f"{GORED},waistband=band", "long_sleeve_tshirt+sleeve_head=set-in,cuff=shirt"])
+def test_gores_beside_the_trunk_are_no_sleeves(name):
+    """Broken where the side gores of a skirt whose file names none are sleeves, or sleeves of such a file are none."""
+    drafted = load_template(name)
+    numbers = {panel.name: f"p{n}" for n, panel in enumerate(drafted.panels)}
+    depths = {numbers[name]: depth for name, depth in find_arm_panels(drafted).items()}
+    assert find_arm_panels(imported(name, numbers)) == depths
 
 
 def test_halves_that_part_are_not_joined():
