@@ -278,6 +278,7 @@ def test_a_beginning_is_no_pattern(database, queue_job):
     with database.write() as session:
         session.execute(text("delete from outbox"))
         session.execute(text("delete from events"))
+        session.execute(text("delete from job_files"))
         session.execute(text("update jobs set id = 'abcdefghijkl', family = 'abcdefghijkl'"))
     for one in wrong:
         with pytest.raises(JobUnknown):
