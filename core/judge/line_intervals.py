@@ -166,8 +166,8 @@ def has_sure_lines(gates: Sequence[Gate]) -> bool:
 
 
 def find_margins(name: str, evidence: Evidence, known: Mapping[tuple[str, Evidence], Margins]) -> Margins | None:
-    """Return the margins of a line; None where nothing shows it. Where no errors of a line seen by its colours or stripes
-    are known, they are those of one that is placed by proportions, which are wider.
+    """Return the margins of a line; None where nothing shows it. Where no errors of a line seen by its colours or
+    stripes are known, they are those of one that is placed by proportions, which are wider.
 
     Args:
         name: Of the line.
