@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
+from difflib import get_close_matches
 from typing import Any, cast
 
 from sqlalchemy import ColumnElement, Select, exists, func, select
@@ -331,8 +332,10 @@ def _check_metric(session: Session, name: str) -> None:
     if not (is_text and session.execute(select(exists().where(MetricRow.name == name))).scalar()):
         known = session.scalars(select(MetricRow.name).distinct()).all()  # slow, so only for the message
         if known or not CONDITION.match(f"{name} = 0"):
-            names = ", ".join(sorted([*TEXTS, TAG, *NUMBERS, *known]))
-            raise QueryBad(f"there is no '{name[:60]}'; there are {names}.")
+            names = sorted([*TEXTS, TAG, *NUMBERS, *known])
+            near = get_close_matches(name[:60], names, n=1)
+            meant = f"did you mean {near[0]}? There" if near else "there"
+            raise QueryBad(f"there is no '{name[:60]}'; {meant} are {', '.join(names)}.")
 
 
 @skip_damaged_rows

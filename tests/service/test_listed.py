@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from garmentq.service.database import Database
 from garmentq.service.keys import create_key
-from garmentq.service.models import LISTED_FIELDS, JobFileRow, JobRow, OwnerRow, ScanRow
-from garmentq.service.query import NUMBERS, TEXTS, find_jobs, parse_conditions
+from garmentq.service.models import LISTED_FIELDS, JobFileRow, JobRow, MetricRow, OwnerRow, ScanRow
+from garmentq.service.query import NUMBERS, TEXTS, QueryBad, find_jobs, parse_conditions
 from garmentq.service.states import State
 from sqlalchemy import event, insert, select, text
 
@@ -98,3 +98,11 @@ def test_a_job_lists_its_request(database: Database, queue_job) -> None:
         named = set(session.scalars(select(JobFileRow.sha256).where(JobFileRow.job == job)))
         assert row.scan in named
         assert session.scalar(text("select count(*) from jobs")) == 1
+
+
+def test_a_misspelt_field_names_the_nearest(database: Database, key: str) -> None:
+    """Breaks where a typing error is answered by a list of all fields alone."""
+    with database.write() as session:
+        session.execute(insert(MetricRow), [{"job": f"{1:012x}", "name": "hausdorff_mm", "value": 1.0}])
+    with pytest.raises(QueryBad, match="there is no 'garmet'; did you mean garment"):
+        find_jobs(database, (), "garmet", 50, key)
