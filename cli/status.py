@@ -2,24 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from ..service.states import State
 from .options import json_option, known_home_option
 
 if TYPE_CHECKING:
     from ..service.records import Job
 
 
+STATES = [state.value for state in State]
+
+
 @click.command("status")
 @click.argument("job", required=False)
 @click.option("--limit", type=click.IntRange(1, 10000), default=20, show_default=True, help="Largest number of jobs.")
+@click.option("--state", type=click.Choice(STATES), help="Only the newest jobs in this state, with the reason.")
+@click.option("--tag", help="Only the newest jobs with this tag.")
 @click.option("--watch", is_flag=True, help="Show jobs and workers until Ctrl-C.")
 @known_home_option
 @json_option
-def command(job: str | None, limit: int, watch: bool, home: Path | None, as_json: bool) -> None:
+def command(
+    job: str | None, limit: int, state: str | None, tag: str | None, watch: bool, home: Path | None, as_json: bool
+) -> None:
     """Show the jobs, or one of them.
 
     A job that another one made is shown below that one; a single job is shown with all below it. The overall progress
@@ -29,24 +38,38 @@ def command(job: str | None, limit: int, watch: bool, home: Path | None, as_json
     Example:
       garmentq status
       garmentq status --watch
+      garmentq status --state failed --tag 2026-11
       garmentq status 3685ecfd4f81 --json
     """
     from ..service.backend import open_backend
     from ..service.health import find_troubles
+    from ..service.query import JobQuery
     from ..service.settings import read_settings
     from .family import arrange, find_family, indent
     from .terminal import print_error, print_json, print_note, print_table, show_left, show_time
 
     backend = open_backend(read_settings(home=home))
+    chosen = {name: value for name, value in (("state", state), ("tag", tag)) if value}
+    if chosen and (job or watch):
+        raise click.UsageError("--state and --tag choose among all jobs; leave out JOB and --watch.")
     if watch:
         from .live import watch_queue
 
         watch_queue(backend, job, limit)
         return
-    found = find_family(backend, backend.find_job(job)) if job else backend.list_jobs(limit)
+    if chosen:
+        found: Sequence[Job] = backend.find_jobs(JobQuery(chosen, limit=limit))
+    else:
+        found = find_family(backend, backend.find_job(job)) if job else backend.list_jobs(limit)
     if as_json:
         for one in found:
             print_json(one.as_json())
+        return
+    if chosen:
+        rows = [[one.id, one.name, one.kind, show_state(one), show_time(one.finished), explain(one)] for one in found]
+        print_table(["job", "name", "kind", "state", "ended", "why"], rows)
+        if not found:
+            print_note(f"no job has {' and '.join(f'{name} {value}' for name, value in chosen.items())}.")
         return
     print_table(
         ["job", "name", "kind", "state", "verdict", "stage", "% of all", "to go", "attempts", "created", "ended"],
@@ -63,6 +86,11 @@ def command(job: str | None, limit: int, watch: bool, home: Path | None, as_json
             print_error(one.error.code, one.error.message)
     for trouble in find_troubles(backend.read_queue()):
         print_note(trouble)
+
+
+def explain(job: Job) -> str:
+    """Return why a job ended without a result: its error's code and message; empty where there is none."""
+    return f"{job.error.code}: {job.error.message}" if job.error else ""
 
 
 def show_state(job: Job) -> str:
