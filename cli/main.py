@@ -38,7 +38,7 @@ COMMANDS = {
     "segment": "Label skin, hair, shoes and garments of a person's scan, and fit the body under the clothes.",
     "inspect": "Show what is detected in a file, before a job is run.",
     "templates": "List, show, import, export and delete template patterns.",
-    "bodies": "List the built-in bodies, and write one as a mesh.",
+    "bodies": "List the built-in bodies, and write a body as a mesh or by its parameters.",
     "materials": "List, show, import, export and delete fabrics.",
     "worker": "Run a worker until stopped.",
     "courier": "Send webhook messages until stopped.",
