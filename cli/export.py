@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..core.deliver.formats.registry import DIALECTS, FORMATS
+from ..core.run.errors import GarmentqError
+from .export_folders import find_garments, find_tagged
 from .options import Decorator, gather, json_option, known_home_option, out_option, timeout_option, workers_option
 from .output import writing
 
@@ -58,22 +60,25 @@ def production_options(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 @click.command("export")
-@click.argument("job")
+@click.argument("job", required=False)
 @click.argument("names", nargs=-1)
+@click.option("--tag", help="All recovered garments with this tag, each into a folder of its own.")
 @click.option("--as", "form", type=click.Choice(tuple(FORMATS)), help="Write the garment in another format.")
 @production_options
 @click.pass_context
 def command(
     context: click.Context,
-    job: str,
+    job: str | None,
     names: tuple[str, ...],
+    tag: str | None,
     form: str | None,
     production: ProductionOptions,
 ) -> None:
     """Copy a job's files into a folder, or write its garment in another format.
 
     Without --as: all stored files, or only those named; every copy is checked against its hash. With --as a job of kind
-    `export` writes the files; the command waits for it and copies them. Prints the paths.
+    `export` writes the files; the command waits for it and copies them. Prints the paths. With --tag, or with --as and
+    a person's job, each garment goes into a folder NAME_GARMENT; one that cannot be written does not stop the others.
 
     \b
     Example:
@@ -81,20 +86,50 @@ def command(
       garmentq export 3685ecfd4f81 --as pdf --paper a4 --allowance seam=10,hem=30
       garmentq export 3685ecfd4f81 --as dxf --dialect clo --fold --out for_clo
       garmentq export 3685ecfd4f81 --as texture --out print
+      garmentq export --tag 2026-11 --as pdf --out patterns
     """
     from ..service.backend import open_backend
     from ..service.settings import read_settings
 
+    if (job is None) == (tag is None):
+        raise click.UsageError("give a job, or --tag TAG.")
     if form is not None:
         if names:
             raise click.UsageError("give names of stored files, or --as FORMAT, not both.")
         options = {"format": form, **read_options(production)}
-        context.exit(write_production(job, options, production))
+        context.exit(_write_all(job, tag, options, production))
     if any((production.dialect, production.allowance, production.paper, production.fold, production.texel)):
         raise click.UsageError("--dialect, --allowance, --paper, --fold and --texel go with --as FORMAT.")
     backend = open_backend(read_settings(home=production.home))
+    if job is None:
+        for folder, garment in find_tagged(backend, tag or "").items():
+            own = replace(production, out=production.out / folder)
+            _print_paths(garment, _copy(backend, garment, own, names), production.as_json)
+        return
     found = backend.find_job(job)
     _print_paths(found.id, _copy(backend, found.id, production, names), production.as_json)
+
+
+def _write_all(job: str | None, tag: str | None, options: Mapping[str, Any], production: ProductionOptions) -> int:
+    """Write each garment that is meant in another format; return the worst exit status."""
+    from ..service.backend import open_backend
+    from ..service.settings import read_settings
+    from . import exits
+    from .terminal import print_error
+
+    backend = open_backend(read_settings(home=production.home))
+    found = find_tagged(backend, tag or "") if job is None else find_garments(backend, backend.find_job(job))
+    if job is not None and len(found) < 2:
+        return write_production(job, options, production)
+    statuses: list[int] = []
+    for folder, garment in found.items():
+        try:
+            own = write_production(garment, options, replace(production, out=production.out / folder))
+        except GarmentqError as error:
+            print_error(error.code, f"{folder}: {error}")
+            own = exits.error_status(error)
+        statuses.append(own)
+    return exits.worst(statuses)
 
 
 def read_options(production: ProductionOptions) -> dict[str, Any]:

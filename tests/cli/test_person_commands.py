@@ -122,6 +122,12 @@ def test_all_garments_of_a_person(ask, work, database, tmp_path):
     assert {row["name"] for row in rows} == {"anna", "upper", "lower"}
     assert all(row["tags"] == ["spring"] for row in rows)
     assert [row["job"] for row in read_rows(ask("query", "--where", "confidence.upper > 0.9", "--json"))] == [root]
+    done = ask("export", "--tag", "spring", "--out", out / "march")
+    assert done.returncode == 0, done.stderr
+    assert {path.name for path in (out / "march").iterdir()} == {"anna_upper", "anna_lower"}
+    assert (out / "march" / "anna_upper" / "metrics.txt").is_file()
+    assert ask("export", "--tag", "nosuch", "--out", out).returncode == 0
+    assert ask("export", "--out", out).returncode == ask("export", root, "--tag", "spring").returncode == 2
     nothing = ask("query", "--name", "nobody")
     assert nothing.returncode == 0 and "no job matches" in nothing.stderr + nothing.stdout
 
