@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Collection, Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from time import time
 
@@ -13,7 +14,7 @@ from ..core.run.errors import BadInput
 from .columns import RowDamaged
 from .database import Database, clock
 from .families import JobInUse, JobNotEnded, find_below
-from .families import delete as delete_family
+from .families import delete as delete_families
 from .garbage import find_named
 from .models import ArtifactRow, IdempotencyRow, JobFileRow, JobInputRow, JobRow, OwnerRow, ScanRow, UploadRow
 from .records import JsonRecord
@@ -24,6 +25,10 @@ log = logging.getLogger(__name__)
 
 YOUNG_SECONDS = 60.0
 """Age below which a file may be about to be named by another order [s]; `gc` deletes it a day later."""
+
+
+FAMILIES_AT_ONCE = 50
+"""Number of families that one transaction deletes: a worker waits no longer than a tenth of a second for it."""
 
 
 class JobShared(BadInput):
@@ -96,11 +101,16 @@ def delete_jobs(database: Database, store: Store, jobs: Sequence[str], key: str 
 
 def _delete_all(database: Database, left: list[str], deleted: list[str]) -> None:
     """Delete families, readers of results first; append the ids of deleted jobs to `deleted`."""
+    for start in range(0, len(left), FAMILIES_AT_ONCE):
+        chosen = [job for job in left[start : start + FAMILIES_AT_ONCE] if job not in deleted]
+        with suppress(JobInUse):  # by one of the others, or by another job: then one by one
+            deleted += delete_families(database, chosen)
+    left = [job for job in left if job not in deleted]
     while left:
         waiting: list[str] = []
         for job in left:
             try:
-                deleted += delete_family(database, job)
+                deleted += delete_families(database, [job])
             except JobInUse:
                 waiting.append(job)
         if len(waiting) == len(left):

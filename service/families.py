@@ -152,32 +152,47 @@ def requeue_jobs(session: Session, rows: Sequence[JobRow], event: str, payer: st
         change_state(session, row, state, event, payer=payer)
 
 
-def delete(database: Database, job: str) -> tuple[str, ...]:
-    """Delete an ended job and all below it, with events and results; `gc` deletes the files that no row names then.
+def delete(database: Database, jobs: Sequence[str]) -> tuple[str, ...]:
+    """Delete ended jobs and all below them, with events and results; `gc` deletes the files that no row names then.
 
     Returns:
         The ids of the deleted jobs.
 
     Raises:
-        JobUnknown: if there is none of that id.
+        JobUnknown: if there is none of an id; nothing is deleted then, as after every other refusal.
         JobNotEnded: if one of them has not ended.
         JobInUse: if another job reads one's result or waits for it.
     """
     with database.write() as session:
-        tree = find_tree(session, _lock(session, job), is_locked=True)
+        tree = _lock_trees(session, jobs)
         ids = [one.id for one in tree]
+        if missing := set(jobs) - set(ids):
+            raise JobUnknown(f"there is no job '{min(missing)}'; `garmentq status` lists them all.")
         for one in tree:
             if one.state in OPEN:
                 raise JobNotEnded(f"job {one.id} is {one.state}; cancel it first, or wait.")
         for table, column in ((JobInputRow, JobInputRow.input), (JobWaitRow, JobWaitRow.awaited)):
-            users = select(table.job).where(column.in_(ids), table.job.not_in(ids)).limit(1)
-            if (user := session.scalars(users).one_or_none()) is not None:
-                raise JobInUse(f"job {user} uses the result of {job}; delete that one first.")
+            users = select(table.job, column).where(column.in_(ids), table.job.not_in(ids)).limit(1)
+            if (user := session.execute(users).one_or_none()) is not None:
+                raise JobInUse(f"job {user[0]} uses the result of {user[1]}; delete that one first.")
         session.execute(delete_rows(IdempotencyRow).where(IdempotencyRow.job.in_(ids)))
         for table in (JobInputRow, JobWaitRow):
             session.execute(delete_rows(table).where(table.job.in_(ids)))
         session.execute(delete_rows(JobRow).where(JobRow.id.in_(ids)))
         return tuple(ids)
+
+
+def _lock_trees(session: Session, jobs: Sequence[str]) -> list[JobRow]:
+    """Return some jobs and all below them, locked, parents before their children."""
+    known: dict[str, JobRow] = {}
+    asked = JobRow.id.in_(jobs)
+    while True:
+        statement = select(JobRow).where(asked).order_by(JobRow.created, JobRow.id).with_for_update()
+        level = [row for row in session.scalars(statement) if row.id not in known]
+        if not level:
+            return list(known.values())
+        known |= {row.id: row for row in level}
+        asked = JobRow.parent.in_([row.id for row in level])
 
 
 @skip_damaged_rows

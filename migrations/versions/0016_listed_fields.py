@@ -64,10 +64,12 @@ def upgrade() -> None:
         op.create_index(f"ix_jobs_{name}_created", "jobs", [name, "created", "id"], unique=False)
     op.create_index("ix_job_files_sha256", "job_files", ["sha256"], unique=False)
     op.create_index("ix_uploads_sha256", "uploads", ["sha256"], unique=False)
+    op.create_index("ix_owners_job", "owners", ["job"], unique=False)
 
 
 def downgrade() -> None:
     """Change them back."""
+    op.drop_index("ix_owners_job", table_name="owners")
     op.drop_index("ix_uploads_sha256", table_name="uploads")
     for name in LISTED:
         op.drop_index(f"ix_jobs_{name}_created", table_name="jobs")

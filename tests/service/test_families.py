@@ -146,15 +146,15 @@ def test_deleting_a_family(database, family):
     settings, queue = family
     root = queue()
     with pytest.raises(JobNotEnded):
-        delete(database, root)
+        delete(database, [root])
     work_off(settings, database)
     front = pieces(database, root)["front"].id
     reader = queue("reader", inputs={"front": front})
     for job in (root, front):
         with pytest.raises(JobInUse):
-            delete(database, job)
+            delete(database, [job])
     work_off(settings, database)
-    assert len(delete(database, reader)) == 4 and len(delete(database, root)) == 4
+    assert len(delete(database, [reader])) == 4 and len(delete(database, [root])) == 4
     assert not find_jobs(database, JobQuery({"kind": Root.name}).conditions)
     with pytest.raises(JobUnknown):
         find_job(database, front)

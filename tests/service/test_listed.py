@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import pytest
 from garmentq.service.database import Database
+from garmentq.service.deletion import delete_jobs
+from garmentq.service.families import JobNotEnded
+from garmentq.service.jobs import JobUnknown
 from garmentq.service.keys import create_key
-from garmentq.service.models import LISTED_FIELDS, JobFileRow, JobRow, MetricRow, OwnerRow, ScanRow
+from garmentq.service.models import LISTED_FIELDS, JobFileRow, JobInputRow, JobRow, MetricRow, OwnerRow, ScanRow
 from garmentq.service.query import NUMBERS, TEXTS, QueryBad, find_jobs, parse_conditions
 from garmentq.service.states import State
 from sqlalchemy import event, insert, select, text
@@ -106,3 +109,18 @@ def test_a_misspelt_field_names_the_nearest(database: Database, key: str) -> Non
         session.execute(insert(MetricRow), [{"job": f"{1:012x}", "name": "hausdorff_mm", "value": 1.0}])
     with pytest.raises(QueryBad, match="there is no 'garmet'; did you mean garment"):
         find_jobs(database, (), "garmet", 50, key)
+
+
+def test_families_are_deleted_at_once_or_not_at_all(database: Database, store, queue_job) -> None:
+    """Breaks where one of many that still runs lets the others go, or a job that reads another of them stops all."""
+    jobs = [queue_job(f"n{number}") for number in range(4)]
+    with pytest.raises(JobNotEnded):
+        delete_jobs(database, store, jobs)
+    with database.write() as session:
+        session.execute(text("update jobs set state = 'succeeded'"))
+        session.add(JobInputRow(job=jobs[1], name="result", input=jobs[0]))
+    assert set(delete_jobs(database, store, jobs[:3]).jobs) == set(jobs[:3])
+    assert [row.id for row in find_jobs(database)] == [jobs[3]]
+    with pytest.raises(JobUnknown):
+        delete_jobs(database, store, [jobs[3], jobs[0]])
+    assert [row.id for row in find_jobs(database)] == [jobs[3]]
