@@ -21,8 +21,9 @@ from garmentq.service.database import (
     read_revision,
     upgrade,
 )
-from garmentq.service.models import Base, JobRow, ScanRow
+from garmentq.service.models import Base, JobFileRow, JobRow, MaterialRow, ScanRow
 from garmentq.service.settings import ServiceSettingBad
+from garmentq.service.states import State
 from garmentq_home import drop_database, drop_tables, make_database, make_settings
 from sqlalchemy import MetaData, Table, create_engine, insert, inspect, select, text
 
@@ -111,6 +112,47 @@ def test_results_from_before_verdicts_get_one(database):
         config.attributes["connection"] = session.connection()
         command.downgrade(config, "0007")
         assert '"warn"' in session.execute(text("select cast(result as text) from jobs where id = 'old'")).scalar()
+    upgrade(database)
+
+
+def test_jobs_from_before_listed_fields_are_listed(database):
+    """Broken where an old job, in whatever state, is not found by its method, garment or file, or cannot go back."""
+    from alembic import command
+
+    config = Config()
+    config.set_main_option("script_location", str(Path(migrations.__file__).parent))
+    file = "a" * 64
+    request = {"settings": {"method": "deform", "preset": "default"}, "body": {"sha256": file}, "files": [file, "b"]}
+    fabric = dict.fromkeys(("H00", "H01", "H11", "H22", "k", "density", "thickness", "friction"), 1.0)
+    with database.write() as session:
+        config.attributes["connection"] = session.connection()
+        command.downgrade(config, "0015")
+        tables = {name: Table(name, MetaData(), autoload_with=session.connection()) for name in ("jobs", "patterns")}
+        session.execute(insert(ScanRow).values(sha256="s", name="s", size=1, created=0.0, details={}))
+        session.execute(insert(MaterialRow).values(id="m", name="denim", title="", sources=[], **fabric))
+        old = {"scan": "s", "name": "s", "version": "0.1.0", "touched": 0.0, "bad_input": False, "request": request}
+        old |= {"priority": 0, "cancel": False, "attempts": 1, "fence": 1, "created": 0.0, "stage": "", "progress": 1.0}
+        for state in State:
+            result = {"cpu_seconds": 3.5, "gates": []} if state == State.SUCCEEDED else None
+            row = {**old, "id": state.value, "dedup": state.value, "family": state.value, "state": state.value}
+            session.execute(insert(tables["jobs"]).values({**row, "result": result}))
+        session.execute(insert(tables["jobs"]).values({**old, "id": "bare", "dedup": "bare", "family": "bare",
+                                                       "state": "queued", "request": {}, "result": None}))  # fmt: skip
+        made = {"job": "succeeded", "name": "p", "category": "skirt", "template": "t", "material": "m", "seams": 1}
+        session.execute(insert(tables["patterns"]).values(made))
+    upgrade(database)
+    with database.read() as session:
+        rows = {row.id: row for row in session.scalars(select(JobRow))}
+        named = set(session.execute(select(JobFileRow.job, JobFileRow.sha256)).all())
+    done = rows["succeeded"]
+    assert (done.garment, done.template, done.fabric, done.body) == ("skirt", "t", "denim", None)
+    assert (done.cpu_seconds, done.peak_mb, rows["failed"].cpu_seconds) == (3.5, None, None)
+    assert {job: row.method for job, row in rows.items()} == {"bare": None, **{s.value: "deform" for s in State}}
+    assert {(job, key) for job, key in named} == {(state.value, file) for state in State}
+    with database.write() as session:
+        config.attributes["connection"] = session.connection()
+        command.downgrade(config, "0015")
+        assert session.execute(text("select count(*) from jobs")).scalar() == len(State) + 1
     upgrade(database)
 
 
