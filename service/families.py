@@ -185,14 +185,14 @@ def delete(database: Database, jobs: Sequence[str]) -> tuple[str, ...]:
 def _lock_trees(session: Session, jobs: Sequence[str]) -> list[JobRow]:
     """Return some jobs and all below them, locked, parents before their children."""
     known: dict[str, JobRow] = {}
-    asked = JobRow.id.in_(jobs)
+    is_next = JobRow.id.in_(jobs)
     while True:
-        statement = select(JobRow).where(asked).order_by(JobRow.created, JobRow.id).with_for_update()
+        statement = select(JobRow).where(is_next).order_by(JobRow.created, JobRow.id).with_for_update()
         level = [row for row in session.scalars(statement) if row.id not in known]
         if not level:
             return list(known.values())
         known |= {row.id: row for row in level}
-        asked = JobRow.parent.in_([row.id for row in level])
+        is_next = JobRow.parent.in_([row.id for row in level])
 
 
 @skip_damaged_rows
