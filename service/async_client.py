@@ -20,14 +20,14 @@ T = TypeVar("T")
 
 
 class AsyncJob:
-    """Hold a job as `JobHandle` does; what asks the service is awaited.
+    """Describe a job as `JobHandle` does; what asks the service is awaited.
 
     Attributes:
         handle: The job, as it was last asked for.
     """
 
     def __init__(self, handle: JobHandle) -> None:
-        """Hold a job."""
+        """Take a job's handle."""
         self.handle = handle
 
     def __repr__(self) -> str:

@@ -44,7 +44,7 @@ class GarmentUnnamed(NotFound):
 
 
 class JobHandle:
-    """Hold a job of a service or a home.
+    """Describe a job of a service or a home.
 
     Attributes:
         id: The job's id.
@@ -52,7 +52,7 @@ class JobHandle:
     """
 
     def __init__(self, backend: Backend, job: str) -> None:
-        """Ask for the job.
+        """Find the job.
 
         Args:
             backend: Where the job is.
@@ -132,7 +132,7 @@ class JobHandle:
         return self.result.mesh(name)
 
     def refresh(self) -> JobHandle:
-        """Ask for the job again, and return it."""
+        """Return the job, asked for again."""
         self.report = self._backend.find_job(self.id)
         self.__dict__.pop("result", None)
         return self

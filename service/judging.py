@@ -7,7 +7,7 @@ from typing import Any
 from sqlalchemy.orm import Session
 
 from .jobs import judge_result, record
-from .listed import list_result
+from .kinds.rows import list_result
 from .models import JobRow
 from .states import State
 from .webhooks import queue_messages

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from sqlalchemy import delete, select
+from sqlalchemy import delete
 from sqlalchemy.orm import Session
 
-from .models import BodyRow, JobFileRow, JobRow, MaterialRow, PatternRow
+from .models import JobFileRow
 from .named_files import find_hashes
 
 LISTED_SETTINGS = ("method", "preset")
@@ -34,15 +34,3 @@ def list_request(session: Session, job: str, request: Mapping[str, Any]) -> None
     session.flush()
     session.execute(delete(JobFileRow).where(JobFileRow.job == job))
     session.add_all(JobFileRow(job=job, sha256=key) for key in sorted(set(find_hashes(request))))
-
-
-def list_result(session: Session, job: str) -> None:
-    """Copy what the rows of a job's result say into its own."""
-    session.flush()
-    row = session.get_one(JobRow, job, populate_existing=True)
-    pattern = select(PatternRow.category, PatternRow.template, MaterialRow.name).where(PatternRow.job == job)
-    found = session.execute(pattern.join(MaterialRow, MaterialRow.id == PatternRow.material)).one_or_none()
-    row.garment, row.template, row.fabric = found or (None, None, None)
-    row.body = session.scalar(select(BodyRow.source).where(BodyRow.job == job))
-    for name, value in read_listed_costs(row.result or {}).items():
-        setattr(row, name, value)

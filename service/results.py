@@ -15,7 +15,7 @@ from .families import make_children
 from .jobs import Claim, fail_with_result, succeed, write_fenced
 from .kinds import Kind, KindUnknown, find_kind
 from .kinds.redrape_request import REDRAPE
-from .listed import list_result
+from .kinds.rows import list_result
 from .models import (
     ArtifactRow,
     BodyRow,

@@ -18,6 +18,7 @@ import igl
 import numpy as np
 import scipy.sparse as sp
 import torch
+from garmentq.core.body.models.anny import JOINT_BONES
 
 SAMPLE_COUNT = 900
 """Bodies drawn. 15 per kept direction, so that the covariances are well determined."""
@@ -27,17 +28,6 @@ FACE_COUNT = 14000
 """Faces of the decimated template: edges of about 1.5 cm, as fine as the garments draped on it."""
 LOCAL_SPREAD = 0.35
 """Standard deviation of each local change; 1 is the extreme that the artists modelled."""
-
-BONES = {
-    "pelvis": "root", "left_hip": "upperleg01.L", "right_hip": "upperleg01.R", "spine1": "spine04",
-    "left_knee": "lowerleg01.L", "right_knee": "lowerleg01.R", "spine2": "spine03", "left_ankle": "foot.L",
-    "right_ankle": "foot.R", "spine3": "spine02", "left_foot": "toe2-1.L", "right_foot": "toe2-1.R",
-    "neck": "neck01", "left_collar": "clavicle.L", "right_collar": "clavicle.R", "head": "head",
-    "left_shoulder": "upperarm01.L", "right_shoulder": "upperarm01.R", "left_elbow": "lowerarm01.L",
-    "right_elbow": "lowerarm01.R", "left_wrist": "wrist.L", "right_wrist": "wrist.R", "left_hand": "finger3-1.L",
-    "right_hand": "finger3-1.R",
-}  # fmt: skip
-"""The bone whose head is each joint of SMPL's 24, in SMPL's order."""
 
 LOCAL_PREFIXES = (
     "upperarm", "lowerarm", "measure-", "breast-volume", "breast-trans", "breast-dist", "buttocks", "foot-scale",
@@ -108,7 +98,7 @@ def pose_t(model: Any, phenotype: dict, changes: dict) -> tuple[np.ndarray, np.n
     # The model's z is up and it faces -y.
     vertices = posed["vertices"][0].numpy()[:, [0, 2, 1]] * [1, 1, -1]
     heads = posed["bone_poses"][0, :, :3, 3].numpy()[:, [0, 2, 1]] * [1, 1, -1]
-    pelvis = heads[labels.index(BONES["pelvis"])]
+    pelvis = heads[labels.index(JOINT_BONES["pelvis"])]
     shift = np.array([pelvis[0], vertices[:, 1].min(), pelvis[2]])
     return vertices - shift, heads - shift
 
@@ -173,7 +163,7 @@ def decimate(vertices: np.ndarray, faces: np.ndarray) -> tuple[sp.csr_matrix, np
 def collapse_weights(model: Any) -> np.ndarray:
     """Return skinning weights on the 24 joints: each bone counts for its nearest ancestor that is one, [n, 24]."""
     labels, parents = list(model.bone_labels), list(model.bone_parents)
-    joint_of = {labels.index(bone): j for j, bone in enumerate(BONES.values())}
+    joint_of = {labels.index(bone): j for j, bone in enumerate(JOINT_BONES.values())}
     table = np.zeros((len(labels), 24))
     for b in range(len(labels)):
         k = b
@@ -190,7 +180,7 @@ def collapse_weights(model: Any) -> np.ndarray:
 def draw_bodies(model: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return vertices [s, n, 3] and joints [s, 24, 3] of the drawn bodies, and their gender [s]."""
     rng = np.random.default_rng(0)
-    columns = [list(model.bone_labels).index(bone) for bone in BONES.values()]
+    columns = [list(model.bone_labels).index(bone) for bone in JOINT_BONES.values()]
     vertices, joints, genders = [], [], []
     for _ in range(SAMPLE_COUNT):
         phenotype, changes, gender = draw_phenotype(model, rng)

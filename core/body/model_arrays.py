@@ -94,6 +94,16 @@ def read_arrays(
     return found
 
 
+def check_vertex_count(count: int, name: str) -> None:
+    """Check a model's number of vertices.
+
+    Raises:
+        BodyModelBad: where it is no body's.
+    """
+    if not 100 <= count <= MAX_MODEL_VERTEX_COUNT:
+        raise BodyModelBad(f"{name} has {count} vertices. {BodyModelBad().message}")
+
+
 def check_shapes(found: Mapping[str, np.ndarray], shapes: Mapping[str, tuple[int, ...]], name: str) -> None:
     """Check arrays: each has its shape, in which -1 is any number but 0, and values up to `MAX_MODEL_VALUE`.
 

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 from sqlalchemy.orm import Session
 
 from ..database import take_advisory_lock
-from ..models import BodyRow, MaterialRow, MetricRow, PanelRow, PatternRow, PieceRow
+from ..listed import read_listed_costs
+from ..models import BodyRow, JobRow, MaterialRow, MetricRow, PanelRow, PatternRow, PieceRow
 
 if TYPE_CHECKING:
     from ...core.body.body import Body
@@ -97,6 +98,14 @@ def show_garment(session: Session, job: str) -> dict[str, Any]:
         "fabric": material.name if material else None,
         "body": body.source if body else None,
     }
+
+
+def list_result(session: Session, job: str) -> None:
+    """Copy what the rows of a job's result say into its own."""
+    session.flush()
+    row = session.get_one(JobRow, job, populate_existing=True)
+    for name, value in {**show_garment(session, job), **read_listed_costs(row.result or {})}.items():
+        setattr(row, name, value)
 
 
 def summarise(report: ResultReport) -> dict[str, Any]:

@@ -20,11 +20,11 @@ from scipy.spatial.transform import Rotation
 from ..body import Body
 from ..model_arrays import (
     CENTIMETRE_LENGTH,
-    MAX_MODEL_VERTEX_COUNT,
     BodyModelBad,
     check_indices,
     check_parents,
     check_shapes,
+    check_vertex_count,
     check_weights,
     read_arrays,
 )
@@ -67,8 +67,7 @@ def load_mhr(path: Path) -> Body:
     found = read_arrays(path, MHR_ARRAYS, (*MHR_PERSON_ARRAYS, *SAM_NAMES, *MHR_POSE_ARRAYS))
     found |= {own: found[name] for name, own in SAM_NAMES.items() if name in found and own not in found}
     count, joint_count = len(found["base_shape"]), len(found["joint_parents"])
-    if not 100 <= count <= MAX_MODEL_VERTEX_COUNT:
-        raise BodyModelBad(f"{path.name} has {count} vertices. {BodyModelBad().message}")
+    check_vertex_count(count, path.name)
     influences = found["skin_weights_flattened"].shape
     shapes = {
         "base_shape": (count, 3), "shape_vectors": (-1, count, 3), "faces": (-1, 3), "joint_names": (joint_count,),

@@ -15,12 +15,12 @@ import numpy as np
 from ..body import Body
 from ..model_arrays import (
     CENTIMETRE_LENGTH,
-    MAX_MODEL_VERTEX_COUNT,
     BodyModelBad,
     BodyModelUnsupported,
     check_indices,
     check_parents,
     check_shapes,
+    check_vertex_count,
     check_weights,
     list_arrays,
     read_arrays,
@@ -51,8 +51,7 @@ def load_soma(path: Path) -> Body:
         raise BodyModelUnsupported(f"{path.name} has poses, which are not read; leave them out, and use --pose.")
     found = read_arrays(path, SOMA_ARRAYS, ("identity_coeffs", *SOMA_SHAPE_ARRAYS))
     count, joint_count = len(found["bind_shape"]), len(found["joint_parent_ids"])
-    if not 100 <= count <= MAX_MODEL_VERTEX_COUNT:
-        raise BodyModelBad(f"{path.name} has {count} vertices. {BodyModelBad().message}")
+    check_vertex_count(count, path.name)
     shapes = {
         "bind_shape": (count, 3), "triangles": (-1, 3), "joint_names": (joint_count,),
         "bind_pose_world": (joint_count, 4, 4), "skinning_weights_data": (-1,),
