@@ -34,10 +34,13 @@ FORGET_SECONDS = 30.0
 
 
 def acquire_leader_lease(database: Database, name: str, owner: str, seconds: float) -> bool:
-    """Take or renew a leader lease for some seconds; return False if another process has it."""
+    """Take or renew a leader lease for some seconds; return False if another process has it, after a read alone."""
+    is_stale = (LockRow.until < clock()) | (LockRow.until > clock() + seconds + AHEAD_SECONDS)
+    is_free = (LockRow.owner == owner) | is_stale
+    with database.read() as session:
+        if session.scalar(select(LockRow.name).where(LockRow.name == name, ~is_free)) is not None:
+            return False
     with database.write() as session:
-        is_stale = (LockRow.until < clock()) | (LockRow.until > clock() + seconds + AHEAD_SECONDS)
-        is_free = (LockRow.owner == owner) | is_stale
         statement = update(LockRow).where(LockRow.name == name, is_free).values(owner=owner, until=clock() + seconds)
         if change_rows(session, statement) == 1:
             return True

@@ -86,7 +86,7 @@ class DispatcherStep(bootsteps.StartStopStep):
         self.rounds = parent.timer.call_repeatedly(self.settings.poll_seconds, self._round)
         # A dying child's pipe closes a moment before the system reports its end; Celery would check again after 5 s.
         parent.timer.call_repeatedly(self.settings.poll_seconds, parent.pool.maintain_pool)
-        self.last_heartbeat, self.last_purge = 0.0, -FORGET_OLD_SECONDS
+        self.last_heartbeat, self.last_purge, self.next_round = 0.0, -FORGET_OLD_SECONDS, 0.0
         self.courier: int | None = None
         self.clock_guard = ClockJumpGuard(self.settings.lease_seconds)
         self.started = time.monotonic()
@@ -109,10 +109,12 @@ class DispatcherStep(bootsteps.StartStopStep):
 
     def _round(self) -> None:
         """Renew the leases, and do the dispatcher's duties, unless nothing can have come up since the last round."""
-        if not self.quiet.is_over():
+        if time.monotonic() < self.next_round or not self.quiet.is_over():
             return
         try:
             is_leader = self._renew_leases()
+            if not is_leader:  # another worker dispatches; it is replaced within a lease and a half
+                self.next_round = time.monotonic() + LEADER_LEASE_TIME / ROUNDS_PER_LEASE
             if self.quiet.begin() and is_leader:
                 self._do_duties()
         except DatabaseUnreachable as error:
