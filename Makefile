@@ -17,19 +17,25 @@ unexport PYTHONDONTWRITEBYTECODE
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV) || python3 -m venv $(VENV)
 
+# Modules are compiled when they are first imported: a fifth of the packages' 2 GB would be bytecode that nothing reads.
+PIP_INSTALL = $(BIN)/python -m pip install --no-compile --disable-pip-version-check -c constraints.txt
 $(VENV)/.installed: pyproject.toml setup.py constraints.txt | $(BIN)/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt $(if $(TORCH_INDEX),--extra-index-url $(TORCH_INDEX)) torch
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e .
+	@echo "Installing garmentq into $(VENV): one to three minutes, 1.7 GB on disk; torch and open3d are the largest."
+	$(PIP_INSTALL) $(if $(TORCH_INDEX),--extra-index-url $(TORCH_INDEX)) torch
+	$(PIP_INSTALL) -e .
 	touch $@
 
 $(VENV)/.installed-test: $(VENV)/.installed
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test]'
+	$(PIP_INSTALL) --quiet -e '.[test]'
 	touch $@
 
 demo: $(VENV)/.installed
+	@echo "Recovering a T-shirt and trousers from a person's scan: about four minutes of two cores."
 	$(BIN)/python examples/remove_labels.py examples/data/person.ply demo/person.ply
 	$(BIN)/garmentq run demo/person.ply --home demo --out demo/result; \
-	status=$$?; $(BIN)/garmentq down --home demo; exit $$status
+	status=$$?; $(BIN)/garmentq down --home demo; \
+	echo "The reports are in demo/result; for the pages: $(BIN)/garmentq up --serve --home demo, then its link"; \
+	exit $$status
 
 # Three processes for two cores: a third of the time a test waits for a server or a reader in a process of its own. Each
 # has an own PostgreSQL and brokers of its own.

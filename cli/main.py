@@ -56,6 +56,8 @@ COMMANDS = {
     "restore": "Restore a backup into a home.",
     "doctor": "Check that everything garmentq needs is available.",
     "bench": "Recover every target pack in a folder and compare with the truth.",
+    "completion": "Print the completion script of a shell.",
+    "man": "Print the manual page of all commands.",
 }
 """Every command with its line in `garmentq --help`; a test compares it with the command's own help."""
 
