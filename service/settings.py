@@ -54,7 +54,8 @@ class ServiceSettings:
         poll_seconds: Period of the dispatcher and of the cancel check [s]; half a second is not noticeable.
         republish_seconds: Time without an event after which a queued job is published again [s] if the broker has no
             message: it must have lost it. A needless message does no harm.
-        grace_seconds: Time that a job has to stop [s]; then its process is ended. A stage checks several times a
+        grace_seconds: Time that a job has to stop [s]: after half of it its code is interrupted, then its process is
+            ended. A stage checks several times a
             second, and containers are killed after 10 to 30 s.
         idle_seconds: Time without a job after which the embedded worker and broker stop [s]; 0: never.
         job_memory_mb: Largest memory of a job's process [MB]; 0: unlimited. An ordinary job takes 700. One that needs

@@ -126,12 +126,14 @@ def _work(services: Services, claim: Claim, watch: LeaseKeeper) -> str:
             pace = learn_pace(database, claim.kind, claim.request, kind.stages)
             result = kind.run(request, work, make_hooks(database, store, claim, watch, pace))
             if watch.reason in ("lost", "cancelled"):
+                watch.end()
                 return _stop(database, claim, watch.reason, settings.max_seconds)
             return persist(partial(store_result, database, store, claim, kind, result, work.out), watch)
     except FenceLost:
         raise
     except BaseException as error:
         if watch.reason:
+            watch.end()
             return _stop(database, claim, watch.reason, settings.max_seconds)
         if not isinstance(error, Exception) or isinstance(error, DatabaseUnreachable):
             raise

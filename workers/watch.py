@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import signal
 import threading
 import time
 from collections.abc import Callable
 from contextlib import suppress
+from types import FrameType
+from typing import Any
 
 from ..core.run.errors import GarmentqError
 from ..service.database import Database
@@ -13,6 +16,18 @@ from ..service.jobs import Claim, HeartbeatResult, read_cancel_flag, renew
 
 BEATS_PER_LEASE = 4
 """Number of heartbeats in one lease: three may fail before another worker takes over."""
+
+
+INTERRUPT_SHARE = 0.5
+"""Share of the time to stop after which a job's code is interrupted; the rest is for code that no signal reaches."""
+
+
+IMPORT_SYSTEM_FILE = "<frozen importlib"
+"""Beginning of the file names of Python's import system in frames."""
+
+
+class JobInterrupted(BaseException):
+    """The code of a job that must stop did not notice; no handler of errors is to catch it."""
 
 
 class JobTooLong(GarmentqError):
@@ -26,7 +41,10 @@ def _do_nothing(reason: str) -> None:
 
 
 class LeaseKeeper:
-    """Renew a claim's lease in a background thread.
+    """Renew a claim's lease in a background thread, and interrupt a job that must stop and does not.
+
+    Python code of the main thread is interrupted by a signal: `JobInterrupted` is raised in it, and its process goes on
+    with other jobs. What runs in compiled code for longer is ended with its process.
 
     Attributes:
         reason: Empty while the job may continue; else `lost`, `cancelled`, `released` or `too_long`.
@@ -66,10 +84,16 @@ class LeaseKeeper:
         self._grace = grace_seconds
         self._force = force
         self._ended = threading.Event()
+        self._job_thread = 0
+        self._handler: Any = None
+        self._is_interrupted = False
         self._thread = threading.Thread(target=self._run, name=f"watch-{claim.job}", daemon=True)
 
     def __enter__(self) -> LeaseKeeper:
         """Start the thread."""
+        self._job_thread = threading.get_ident()
+        if threading.current_thread() is threading.main_thread():
+            self._handler = signal.signal(signal.SIGUSR2, self._interrupt)
         self._thread.start()
         return self
 
@@ -77,6 +101,12 @@ class LeaseKeeper:
         """Stop the thread."""
         self._ended.set()
         self._thread.join()
+        if self._handler is not None:
+            signal.signal(signal.SIGUSR2, self._handler)
+
+    def end(self) -> None:
+        """Neither renew the lease nor interrupt the job from now on: it has stopped, and its end is being written."""
+        self._ended.set()
 
     def must_stop(self) -> bool:
         """Return whether the job must stop; `reason` says why."""
@@ -99,7 +129,7 @@ class LeaseKeeper:
                 renewed = now if is_due else renewed
             self.reason = self._judge(pulse, now - started)
             if self.reason:
-                self._keep_alive(renewed)
+                self._keep_alive()
                 return
 
     def _judge(self, pulse: HeartbeatResult, seconds: float) -> str:
@@ -111,13 +141,26 @@ class LeaseKeeper:
             return "released"
         return "too_long" if seconds > self._max else ""
 
-    def _keep_alive(self, renewed: float) -> None:
-        """Continue to renew the lease while the stage stops, and call `force` if it does not."""
-        deadline = time.monotonic() + self._grace
-        while time.monotonic() < deadline:
-            if self._ended.wait(min(self._grace, self._lease / BEATS_PER_LEASE)):
+    def _keep_alive(self) -> None:
+        """Continue to renew the lease while the stage stops; interrupt it, then call `force`, if it does not."""
+        begun = time.monotonic()
+        while (seconds := time.monotonic() - begun) < self._grace:
+            if self._ended.wait(min(self._poll, self._grace - seconds)):
                 return
+            if self._handler is not None and time.monotonic() - begun >= INTERRUPT_SHARE * self._grace:
+                signal.pthread_kill(self._job_thread, signal.SIGUSR2)
             if self.reason != "lost":
                 with suppress(GarmentqError):
                     renew(self.database, self._claim, self._lease)
         self._force(self.reason)
+
+    def _interrupt(self, number: int, frame: FrameType | None) -> None:
+        """Raise `JobInterrupted` in the job's code once, unless it has stopped, or imports a module.
+
+        A module that is imported in part would fail the next job of the process; the signal comes again.
+        """
+        while frame is not None and not frame.f_code.co_filename.startswith(IMPORT_SYSTEM_FILE):
+            frame = frame.f_back
+        if frame is None and not self._is_interrupted and not self._ended.is_set():
+            self._is_interrupted = True
+            raise JobInterrupted(self.reason)

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import httpx
 import pytest
+from garmentq.service.families import cancel
 from garmentq.service.jobs import find_job, read_events
 from garmentq.service.models import ArtifactRow
 from garmentq.workers.broker import is_broker_up, run_folder, start_broker
@@ -133,11 +134,30 @@ def test_r3_poison_and_r13_deaf_job(settings, database, queue_job, start_worker,
         rows = [wait_ended(settings, job) for job in (poison, leaver, good)]
         assert [(row.state, row.attempts) for row in rows] == [("dead", 2), ("dead", 2), ("succeeded", 1)]
         assert "signal 9" in rows[0].error_message and "exitcode 3" in rows[1].error_message
-        deaf = queue_job("stuck")
+        deaf = queue_job("deaf")
         wait_for(lambda: find_job(database, deaf).state == "running")
         process.terminate()
         process.wait(timeout=WAIT_SECONDS)
     assert (find_job(database, deaf).state, find_job(database, deaf).attempts) == ("queued", 0)
+
+
+@pytest.mark.slow
+def test_a_cancelled_job_leaves_its_process(settings, database, queue_job, start_worker, marks):
+    """Broken where a job that never asks whether it must stop costs its process, and the log a traceback."""
+    start_broker(settings)
+    stuck = queue_job("stuck")
+    with start_worker(grace_seconds=1.0, **LONG):
+        wait_for(lambda: find_job(database, stuck).state == "running")
+        process = find_job(database, stuck).owner.split(":")[1]
+        cancel(database, stuck)
+        row = wait_ended(settings, stuck)
+        next_one = wait_ended(settings, queue_job("shirt"))
+    assert (row.state, row.attempts, next_one.state) == ("cancelled", 1, "succeeded"), next_one.error_message
+    owners = [
+        event.data["owner"].split(":")[1] for event in read_events(database, next_one.id) if event.kind == "started"
+    ]
+    assert owners == [process], "another process had to be started"
+    assert "Traceback" not in (settings.home / "worker.log").read_text(encoding="utf-8", errors="replace")
 
 
 @pytest.mark.slow

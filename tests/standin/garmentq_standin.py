@@ -2,8 +2,8 @@
 
 `slow...` takes 4 s in 40 steps with a checkpoint after each 5, `gated...` does them at once but waits before those that
 its test holds back (`hold_gate`), `crash...` dies of a signal, `bad...` is refused, `fault...` has a bug, `leave...`
-ends its process, `short...` takes 0.1 s, `stuck...` takes 10 minutes and never asks whether it must stop; everything
-else succeeds at once.
+ends its process, `short...` takes 0.1 s, `stuck...` takes 10 minutes and never asks whether it must stop, `deaf...`
+takes no signal either, as compiled code does; everything else succeeds at once.
 """
 
 from __future__ import annotations
@@ -55,7 +55,9 @@ def recover(request: Request, hooks: Hooks) -> Recovery:
         sys.exit(3)
     if name.startswith("short"):
         time.sleep(0.1)
-    if name.startswith("stuck"):
+    if name.startswith("deaf"):
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGUSR2})
+    if name.startswith(("stuck", "deaf")):
         time.sleep(600.0)
     if name.startswith("slow"):
         _work(hooks, lambda step: time.sleep(STEP_SECONDS))
