@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..core.recover.settings import LATER
-from ..service.states import QUEUES, State
+from ..service.checking import DOUBTS
+from ..service.states import QUEUES
 from . import exits
 from .options import OrderOptions, WaitOptions, home_option, json_option, order_options, wait_options
 
 if TYPE_CHECKING:
+    from ..core.run.errors import GarmentqError
     from ..service.backend import Backend
-    from ..service.records import Job
+    from ..service.submission import SubmissionResult
+
+MAX_FILES_AT_ONCE = 4
+"""Largest number of files that are read at a time: each may take as much memory as its limited process has."""
 
 
 @click.command("submit")
@@ -23,6 +30,10 @@ if TYPE_CHECKING:
 @order_options
 @click.option("--priority", type=click.IntRange(-100, 100), default=0, show_default=True, help="Larger goes first.")
 @click.option("--queue", type=click.Choice(QUEUES), default=QUEUES[0], show_default=True, help="Kind of worker.")
+@click.option(
+    "--check/--no-check", "is_checked", default=True, show_default=True,
+    help="Read the files now; otherwise each job does first.",
+)  # fmt: skip
 @click.option("--wait", is_flag=True, help="Wait until every job has ended.")
 @wait_options
 @home_option
@@ -34,6 +45,7 @@ def command(
     options: OrderOptions,
     priority: int,
     queue: str,
+    is_checked: bool,
     wait: bool,
     waiting: WaitOptions,
     home: Path | None,
@@ -44,8 +56,8 @@ def command(
     A folder stands for the scans in it; a table (.csv) has a row for each scan, with the columns scan, body, labels,
     name, tags and others named as the options, and paths relative to the table's folder.
 
-    Prints the id of each job; the same scan with the same settings is the same job. The worker checks the files first;
-    a file that is refused within 3 s is named on standard error, the others continue, and the exit status is 4.
+    Reads each file, and prints a line for it: the job's id, the file's name and what it is; or `-`, the name and why it
+    is refused. The others are queued, and the exit status is 4. The same scan with the same settings is the same job.
     `garmentq up` starts a worker.
 
     A raw scan of a dressed person needs no further options: its job makes one more for each worn garment. Each --keep
@@ -60,71 +72,113 @@ def command(
       garmentq submit batch.csv
       garmentq submit person.ply --keep upper --keep lower
     """
-    from ..core.run.errors import GarmentqError
     from ..service.backend import open_backend
     from ..service.settings import read_settings
     from .batch import find_scans
-    from .order import describe_choice, describe_overrides, make_order, split_garments
-    from .terminal import print_error, print_json, print_note
+    from .order import split_garments
 
     options = replace(options, redrape=options.redrape or LATER)
     backend = open_backend(read_settings(home=home))
-    statuses, made = [], []
+    statuses, jobs = [], []
     pairs = [(file, one) for file, orders in find_scans(files, options) for one in split_garments(orders)]
-    for file, chosen in pairs:
-        try:
-            order = make_order(backend, file, chosen)
-            choice = describe_choice(order) + describe_overrides(chosen)
-            submitted = backend.submit(replace(order, terms=replace(order.terms, priority=priority, queue=queue)))
-        except GarmentqError as error:
-            print_error(error.code, name_file(str(file), error.message))
-            if as_json:
-                print_json({"file": str(file), "job": None, "error": {"code": error.code, "message": error.message}})
-            statuses.append(exits.error_status(error))
-            continue
-        made.append((file, submitted, choice))
-        if not as_json:
-            click.echo(submitted.job)
-            print_note(f"{file.name}: {choice}")
-    jobs = list(dict.fromkeys(submitted.job for _, submitted, _ in made))
-    refused: dict[str, Job] = {}
-    if jobs and not wait:
-        refused, ended = _find_refused(backend, jobs, queue)
-        statuses.append(ended)
-    for file, submitted, choice in made if as_json else ():
-        job = refused.get(submitted.job)
-        state, failure = (job.state, job.error) if job else (submitted.state, None)
-        shown = {"job": submitted.job, "state": state, "is_new": submitted.is_new}
-        print_json({"file": str(file), **shown, "taken_as": choice, "error": asdict(failure) if failure else None})
-    if wait:
-        statuses.append(_wait(backend, jobs, waiting))
+    for outcome in _submit_all(backend, pairs, _Terms(priority, queue, is_checked)):
+        _show(outcome, as_json)
+        if outcome.error is not None:
+            statuses.append(exits.error_status(outcome.error))
+        if outcome.submitted is not None:
+            jobs.append(outcome.submitted.job)
+    if wait and jobs:
+        statuses.append(_wait(backend, list(dict.fromkeys(jobs)), waiting))
     context.exit(exits.worst(statuses))
 
 
-def name_file(file: str, message: str) -> str:
-    """Return a refusal that names its file, so that it can be found among many."""
-    return message if Path(file).name in message else f"{file}: {message}"
+@dataclass(frozen=True)
+class _Terms:
+    """Describe how all files are submitted: priority, queue, and whether they are read before."""
+
+    priority: int
+    queue: str
+    is_checked: bool
 
 
-def _find_refused(backend: Backend, jobs: list[str], queue: str) -> tuple[dict[str, Job], int]:
-    """Return the jobs whose files are refused within a few seconds, and the exit status; the jobs stay queued."""
+@dataclass(frozen=True)
+class _Outcome:
+    """Describe what became of one file: the job and what it is, or why not."""
+
+    file: Path
+    submitted: SubmissionResult | None = None
+    choice: str = ""
+    error: GarmentqError | None = None
+
+
+def _submit_all(backend: Backend, pairs: Sequence[tuple[Path, OrderOptions]], terms: _Terms) -> Iterator[_Outcome]:
+    """Submit files, several at a time, and yield what became of each in their order.
+
+    A check takes a second in a process of its own, so that a bad file behind good ones is named within seconds.
+    """
     from ..core.run.errors import GarmentqError
-    from .checked import wait_checked
-    from .terminal import print_error, print_note
+    from .order import describe_choice, describe_overrides, make_order
 
-    try:
-        found = wait_checked(backend, jobs, queue)
-    except GarmentqError as error:
+    def submit(file: Path, chosen: OrderOptions) -> _Outcome:
+        try:
+            order = make_order(backend, file, chosen)
+            choice = describe_choice(order) + describe_overrides(chosen)
+            order = replace(order, terms=replace(order.terms, priority=terms.priority, queue=terms.queue))
+            return _Outcome(file, backend.submit(order, terms.is_checked), choice)
+        except GarmentqError as error:
+            return _Outcome(file, error=error)
+
+    with ThreadPoolExecutor(min(len(pairs), MAX_FILES_AT_ONCE) or 1) as pool:
+        waiting = [pool.submit(submit, *pair) for pair in pairs]
+        try:
+            for one in waiting:
+                yield one.result()
+        except KeyboardInterrupt:
+            pool.shutdown(cancel_futures=True)
+            raise
+
+
+def _show(outcome: _Outcome, as_json: bool) -> None:
+    """Print one line for a file: its job, its name, and what it is or why it is refused.
+
+    What is wrong with the options or the service is no property of the file, and goes where all errors go.
+    """
+    from ..core.run.errors import keep_printable
+    from .terminal import print_error, print_json, print_note
+
+    submitted, error = outcome.submitted, outcome.error
+    understood = submitted.understood if submitted is not None else None
+    if as_json:
+        problem = None if error is None else {"code": error.code, "message": error.message}
+        shown: dict[str, object] = {"file": str(outcome.file), "job": None, "error": problem}
+        if submitted is not None:
+            shown |= {"job": submitted.job, "state": submitted.state, "is_new": submitted.is_new}
+            shown |= {"taken_as": outcome.choice, "understood": understood}
+        print_json(shown)
+        return
+    if error is not None and exits.error_status(error) != exits.BAD_INPUT:
         print_error(error.code, error.message)
-        return {}, exits.error_status(error)
-    except KeyboardInterrupt:
-        print_note("the jobs continue; `garmentq status` shows their progress.")
-        return {}, exits.DETACHED
-    refused = {job.id: job for job in found if job.state is State.FAILED and job.bad_input}
-    for job in refused.values():
-        if job.error:
-            print_error(job.error.code, name_file(job.name, job.error.message))
-    return refused, exits.BAD_INPUT if refused else exits.OK
+        return
+    job = "-" if submitted is None else submitted.job
+    what = f"{error.code}: {error.message}" if error is not None else describe_understood(understood) or outcome.choice
+    click.echo(keep_printable(f"{job:12}  {outcome.file.name}  {what}"))
+    for doubt in (understood or {}).get(DOUBTS, ()):
+        print_note(f"{outcome.file.name}: {doubt}")
+
+
+def describe_understood(understood: Mapping[str, Any] | None) -> str:
+    """Return what the check of a scan found, as text for users: `person, 30477 points, in cm`; empty if it is unknown.
+
+    Args:
+        understood: As the check returned it, or None.
+    """
+    scan = (understood or {}).get("scan") or {}
+    words = [
+        str((understood or {}).get("as") or ""),
+        f"{scan['vertex_count']} points" if "vertex_count" in scan else "",
+    ]
+    words.append(f"in {scan['units']}" if scan.get("units") else "")
+    return ", ".join(word for word in words if word)
 
 
 def _wait(backend: Backend, jobs: list[str], waiting: WaitOptions) -> int:

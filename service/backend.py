@@ -83,8 +83,16 @@ class Backend(Protocol):
             GarmentqError: with the code of what cannot be used.
         """
 
-    def submit(self, order: Order) -> SubmissionResult:
-        """Store or send an order's files, and queue the job."""
+    def submit(self, order: Order, is_checked: bool = False) -> SubmissionResult:
+        """Store or send an order's files, and queue the job.
+
+        Args:
+            order: What is to be recovered.
+            is_checked: Read the files before the job is queued, and refuse unusable ones; otherwise the job does.
+
+        Raises:
+            BadInput: as the check refuses a file.
+        """
 
     def submit_derived(self, order: DerivedOrder) -> SubmissionResult:
         """Store or send an order's files, and queue the job that works on a stored result.

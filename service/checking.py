@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from ..core.run.errors import BadInput
-from ..core.run.sandbox import Bounds, IsStopped, call_limited
+from ..core.run.sandbox import Bounds, IsStopped, call_limited, never_stopped
 from .order import GARMENT, PERSON
+from .services import Services
 
 STAGE = "check"
 """The stage's name in progress and events."""
@@ -38,6 +39,36 @@ def check_files(checker: str, request: dict[str, Any], files: Path, is_stopped: 
     arguments = {"request": request, "files": str(files.absolute())}
     answer = call_limited(checker, arguments, Bounds(), is_stopped, files.parent)
     return answer.result | {"cpu_seconds": round(answer.cpu_seconds, 3), "peak_mb": round(answer.peak_mb, 1)}
+
+
+def check_request(
+    services: Services, kind: str, request: dict[str, Any], is_stopped: IsStopped = never_stopped
+) -> dict[str, Any]:
+    """Check the stored files of a request before its job is queued, as the job's first stage will.
+
+    Args:
+        services: The home with the files.
+        kind: Name of the job's kind.
+        request: As `pack_request` writes it.
+        is_stopped: Called now and then; True ends the process.
+
+    Returns:
+        Description of the files, as JSON values; empty if the kind has no files of a user.
+
+    Raises:
+        BadInput: if a file cannot be used; the code says why.
+        Cancelled: if `is_stopped` returned True.
+    """
+    from .kinds import find_files, find_kind
+
+    checker = find_kind(services.settings, kind).checker(services.settings)
+    if not checker:
+        return {}
+    with services.copying() as folder:
+        files = folder / "files"
+        for field, file in find_files(request):
+            services.store.copy(file.sha256, files / field / file.name)
+        return check_files(checker, request, files, is_stopped)
 
 
 def check_recovery(request: dict[str, Any], files: str) -> dict[str, Any]:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from . import (
+    checking,
     derived,
     families,
     health,
@@ -98,9 +99,10 @@ class LocalBackend:
         """Check an order's files and names before anything is queued."""
         return ordering.check_order(self.services, order, template)
 
-    def submit(self, order: Order) -> submission.SubmissionResult:
-        """Store an order's files, and queue the job."""
-        return submission.submit(self._database, self.services.store, order)
+    def submit(self, order: Order, is_checked: bool = False) -> submission.SubmissionResult:
+        """Store an order's files, check them, and queue the job."""
+        check = partial(checking.check_request, self.services) if is_checked else None
+        return submission.submit(self._database, self.services.store, order, check)
 
     def submit_derived(self, order: derived.DerivedOrder) -> submission.SubmissionResult:
         """Store an order's files, and queue the job that works on a stored result."""

@@ -97,7 +97,7 @@ class RemoteBackend(RemoteLibraries):
                 self.read_material(fabric)
         return replace(checked, settings=replace(checked.settings, template=template))
 
-    def submit(self, order: Order) -> SubmissionResult:
+    def submit(self, order: Order, is_checked: bool = False) -> SubmissionResult:
         """Upload an order's files and create the job; a template that is not a file is sent by its name."""
         settings = order.settings.as_dict()
         template, settings["redrape"] = settings.pop("template"), settings["redrape"] or WAIT
@@ -116,6 +116,8 @@ class RemoteBackend(RemoteLibraries):
             payload["pattern"] = self.upload("patterns", order.template)
         elif template is not None:
             payload["template"] = template
+        if is_checked:  # a service of an earlier version refuses the field
+            payload["check"] = True
         return self._submit(payload, order.terms)
 
     def submit_derived(self, order: DerivedOrder) -> SubmissionResult:
@@ -304,7 +306,11 @@ def _describe_terms(terms: JobTerms) -> dict[str, Any]:
 
 def read_submitted(found: Json) -> SubmissionResult:
     """Return what the service answers to a submission."""
-    return read(lambda: SubmissionResult(check_id(found["job"]), bool(found["is_new"]), State(found["state"])))
+    return read(
+        lambda: SubmissionResult(
+            check_id(found["job"]), bool(found["is_new"]), State(found["state"]), found.get("understood")
+        )
+    )
 
 
 def _read_event(text: str) -> Event:

@@ -6,7 +6,7 @@ import hashlib
 import json
 import re
 import unicodedata
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -91,18 +91,31 @@ class SubmissionResult:
         job: The job's id.
         is_new: False if an equal job existed; it is requeued if it had ended without success.
         state: The job's state now.
+        understood: What the check of the files found, as JSON values; None if they are checked by the job.
     """
 
     job: str
     is_new: bool
     state: State
+    understood: dict[str, Any] | None = None
 
 
-def submit(database: Database, store: Store, order: Order) -> SubmissionResult:
-    """Store the files, then create the recovery.
+Check = Callable[[str, dict[str, Any]], dict[str, Any]]
+"""Check of the stored files of a request, by the name of its kind and the packed request; it returns what it found."""
+
+
+def submit(database: Database, store: Store, order: Order, check: Check | None = None) -> SubmissionResult:
+    """Store the files, check them, then create the recovery.
+
+    Args:
+        database: The jobs' database.
+        store: Where the files are kept; those of a refused order are removed by the next collection of garbage.
+        order: What is to be recovered.
+        check: Reads the files before the job is queued; None: the job's first stage does.
 
     Raises:
         BodyMissing: if the scan is given as a garment, and no body is named.
+        BadInput: as the check refuses a file.
         SettingsBad: if options contradict each other.
         LabelBad: if name or tags cannot be used.
         StorageFull: if the files cannot be stored.
@@ -113,14 +126,16 @@ def submit(database: Database, store: Store, order: Order) -> SubmissionResult:
     check_labels(order.terms)
     scan = store.put(order.scan)
     request = _describe_person(order, scan, store) if of_person else _describe(order, scan, store)
+    kind, terms = PERSON_KIND if of_person else Recover.name, order.terms.complete(own_name(order.scan.name))
+    understood = None if check is None else check(kind, request)
     with database.write() as session:
         take_advisory_lock(session, scan.sha256)
         if session.get(ScanRow, scan.sha256) is None:
             name = request["scan"]["name"]
             session.add(ScanRow(sha256=scan.sha256, name=name, size=scan.size, created=clock()))
             session.flush()
-        kind, terms = PERSON_KIND if of_person else Recover.name, order.terms.complete(own_name(order.scan.name))
-        return add_job(session, JobRequest(kind, request, scan.sha256, terms=terms))
+        done = add_job(session, JobRequest(kind, request, scan.sha256, terms=terms))
+    return replace(done, understood=understood)
 
 
 def add_job(session: Session, order: JobRequest) -> SubmissionResult:

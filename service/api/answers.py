@@ -114,11 +114,15 @@ class Inspection(BaseModel):
 
 
 class Asked(Answer):
-    """Answer a request for a job; `is_new` is false if an equal job existed."""
+    """Answer a request for a job; `is_new` is false if an equal job existed.
+
+    `understood` is what the check of the files found; null if the job checks them.
+    """
 
     job: str
     state: State
     is_new: bool
+    understood: dict[str, Any] | None = None
 
 
 class Changed(Answer):

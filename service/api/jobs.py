@@ -16,6 +16,7 @@ from ... import __version__
 from ...core.body.spec import read_wearer
 from ...core.recover.settings import LATER, RecoverySettings
 from ...core.run.sandbox import IsStopped, never_stopped
+from ..checking import check_request
 from ..deletion import Deleted, delete_jobs
 from ..derived import DerivedOrder, submit_derived
 from ..families import cancel, retry
@@ -87,12 +88,13 @@ async def create_job(
     """Queue the job. The same files with the same settings are the same job: 200, not 202.
 
     Names and settings are checked at once. The files are read by the job's first stage, `check`: an unusable file ends
-    the job as `failed` with `bad_input` and a code for the reason. With a `kind` the job works on the result of another
-    job that has succeeded.
+    the job as `failed` with `bad_input` and a code for the reason. With `"check": true` they are read before, and an
+    unusable one is refused with 422 and that code. With a `kind` the job works on the result of another job that has
+    succeeded.
     """
     caller.check_priority(payload.priority)
     create = partial(_create, rooms, caller, payload, idempotency_key)
-    if isinstance(payload, DerivedIn) and find_kind(rooms.settings, payload.kind).is_refused_early:
+    if _calls_limited(rooms, payload):
         done = await rooms.limited.run(request, caller.key, create)
     else:
         done = await run_in_threadpool(create)
@@ -195,7 +197,7 @@ def answer_submission(response: Response, done: SubmissionResult) -> dict[str, A
     """Return the response of a submission."""
     response.headers["location"] = f"/v1/jobs/{done.job}"
     response.status_code = 202 if done.is_new else 200
-    return {"job": done.job, "state": done.state, "is_new": done.is_new}
+    return asdict(done)
 
 
 def show_job(rooms: AppState, row: JobRow) -> dict[str, Any]:
@@ -208,6 +210,13 @@ def answer_query(rooms: AppState, caller: Caller, query: JobQuery) -> dict[str, 
     owner = None if caller.sees_all else caller.key
     rows = find_jobs(rooms.database, query.conditions, query.sort, (query.limit, query.offset), owner)
     return {"jobs": [job.as_json() for job in report_jobs(rooms.database, rows, rooms.settings)]}
+
+
+def _calls_limited(rooms: AppState, payload: JobIn | DerivedIn) -> bool:
+    """Return whether files are read before the job is queued, in a limited process."""
+    if isinstance(payload, JobIn):
+        return payload.check
+    return find_kind(rooms.settings, payload.kind).is_refused_early
 
 
 def _create(
@@ -228,7 +237,9 @@ def _create(
     else:
         with rooms.copying() as folder:
             order = check_order(rooms, _unpack(rooms, caller, payload, folder), payload.template)
-            done = submit(rooms.database, rooms.store, replace(order, terms=replace(order.terms, nonce=nonce)))
+            order = replace(order, terms=replace(order.terms, nonce=nonce))
+            check = partial(check_request, rooms, is_stopped=is_stopped) if payload.check else None
+            done = submit(rooms.database, rooms.store, order, check)
     if token is not None:
         end_idempotent(rooms.database, caller.key, token, done.job)
     return done
@@ -236,7 +247,8 @@ def _create(
 
 def fingerprint(payload: JobIn | DerivedIn) -> dict[str, Any]:
     """Return what identifies a repeated request; without later versions' fields it equals that of earlier versions."""
-    found = payload.model_dump(exclude={name for name in LATER_REQUEST_FIELDS if not getattr(payload, name, None)})
+    left_out = {name for name in LATER_REQUEST_FIELDS if not getattr(payload, name, None)}
+    found = payload.model_dump(exclude=left_out | {"check"})
     if isinstance(payload, JobIn):
         found["settings"] = payload.settings.complete()
         if found["settings"]["redrape"] == LATER:

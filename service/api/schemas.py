@@ -131,6 +131,7 @@ class JobIn(BaseModel):
     force: bool = False
     name: Text = Field("", description="Name of the family; by default the scan's name.")
     tags: list[Tag] = Field(default=[], max_length=20, description="Words by which it can be found.")
+    check: bool = Field(False, description="Read the files before the job is queued, and refuse unusable ones.")
 
 
 JobId = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{12}$")]

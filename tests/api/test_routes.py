@@ -95,7 +95,7 @@ def test_an_idempotency_key_makes_a_forced_job_once(client, database):
     assert len(jobs) == 1
     cancel(database, *jobs)
     again = client.post("/v1/jobs", json=wanted, headers=headers)
-    assert again.json() == {"job": next(iter(jobs)), "state": "cancelled", "is_new": False}
+    assert again.json() == {"job": next(iter(jobs)), "state": "cancelled", "is_new": False, "understood": None}
     other = client.post("/v1/jobs", json=wanted | {"priority": 3}, headers=headers)
     assert (other.status_code, code_of(other)) == (422, "request.idempotency_mismatch")
     assert client.post("/v1/jobs", json=wanted, headers={"idempotency-key": "d"}).json()["job"] not in jobs
@@ -250,3 +250,16 @@ def test_patterns_are_matched(client, database):
     assert (bad.status_code, code_of(bad)) == (422, "match.pairs_bad")
     assert client.get("/v1/match", params={**given, "pair": ["front"]}).status_code == 422
     assert code_of(client.get("/v1/match", params={"first": "nosuch", "second": "skirt"})) == "template.unknown"
+
+
+def test_files_are_checked_before_a_job_is_queued(client):
+    """Broken where a file that cannot be used is queued although a check was requested, or without a word."""
+    body = {"body": "builtin:female,height=1.70", "check": True}
+    good = client.post("/v1/jobs", json={"scan": upload(client), **body})
+    assert good.status_code == 202 and good.json()["understood"]["scan"]["units"] == "m"
+    bad = client.post("/v1/scans", params={"name": "bad.ply"}, content=b"no mesh at all").json()["sha256"]
+    refused = client.post("/v1/jobs", json={"scan": bad, **body})
+    assert (refused.status_code, code_of(refused)) == (422, "scan.truncated")
+    assert [row["job"] for row in client.get("/v1/jobs").json()["jobs"]] == [good.json()["job"]]
+    unchecked = client.post("/v1/jobs", json={"scan": bad, **body, "check": False})
+    assert unchecked.status_code == 202 and unchecked.json()["understood"] is None

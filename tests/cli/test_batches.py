@@ -54,8 +54,22 @@ def test_a_table_has_a_row_for_each_scan(cli, scans, database):
 def test_refusals_say_whose_they_are(cli, scans):
     """Broken where four scans are refused by four equal lines."""
     done = cli("submit", scans / "a.ply", scans / "gone.ply", scans / "b.ply", "--as", "garment")
-    lines = [line for line in done.stderr.splitlines() if line.startswith("error ")]
-    assert [name in line for line, name in zip(lines, ("a.ply", "gone.ply", "b.ply"), strict=True)] == [True] * 3
+    lines = [[word.strip() for word in line.split("  ") if word] for line in done.stdout.splitlines()]
+    assert [(line[0], line[-2]) for line in lines] == [("-", "a.ply"), ("-", "gone.ply"), ("-", "b.ply")]
+
+
+def test_a_bad_file_is_told_without_a_worker(cli, scans, database):
+    """Broken where a file that cannot be read is queued behind good ones, or stops them, or its line is elsewhere."""
+    (scans / "aa.ply").write_text("no mesh")
+    done = cli("submit", scans, "--body", "builtin:female,height=1.7")
+    lines = [[word.strip() for word in line.split("  ") if word] for line in done.stdout.splitlines()]
+    assert done.returncode == 4 and done.stderr == "", done
+    assert [line[-2] for line in lines] == ["a.ply", "aa.ply", "b.ply", "body.ply"]
+    assert lines[1][0] == "-" and lines[1][-1].startswith("scan.truncated: ")
+    queued = [line[0] for line in lines if line[0] != "-"]
+    assert sorted(queued) == sorted(row.id for row in list_jobs(database))
+    unchecked = cli("submit", scans / "aa.ply", "--body", "builtin:female,height=1.7", "--no-check")
+    assert unchecked.returncode == 0 and len(list_jobs(database)) == 4
 
 
 def test_whoever_waits_without_a_worker_is_told(cli, scans):
@@ -94,7 +108,7 @@ def test_many_dead_jobs_are_tried_again_at_once(cli, scans, database):
     """Broken where an outage's hundred jobs need a command each, or one that ended otherwise is run again."""
     from garmentq.service.jobs import claim, fail
 
-    jobs = [cli("submit", scans / name, "--body", "builtin:female").stdout.strip() for name in ("a.ply", "b.ply")]
+    jobs = [cli("submit", scans / name, "--body", "builtin:female").stdout.split()[0] for name in ("a.ply", "b.ply")]
     for job, code in zip(jobs, ("job.crashed", "scan.truncated"), strict=True):
         fail(database, claim(database, job, "w", 30.0), code, "x", bad_input=False)
     assert cli("retry").returncode == cli("retry", jobs[0], "--state", "dead").returncode == 2

@@ -22,7 +22,7 @@ def test_each_keep_is_a_job(cli, settings, database, store, tmp_path):
     person, labels = put_file(tmp_path, "person.ply"), put_file(tmp_path, "labels.npz")
     done = cli("submit", person, "--labels", labels, "--labels-key", "part", "--keep", "upper", "--keep", "lower")
     assert done.returncode == 0, done.stderr
-    jobs = done.stdout.split()
+    jobs = [line.split()[0] for line in done.stdout.splitlines()]
     assert len(set(jobs)) == 2
     for job, keep in zip(jobs, ("upper", "lower"), strict=True):
         chosen = find_job(database, job).request["settings"]
@@ -41,7 +41,7 @@ def test_colour_reaches_the_job(cli, settings, database, store, tmp_path):
     """Broken where a colour is dropped, or its tolerance."""
     person = put_file(tmp_path, "person.ply")
     done = cli("submit", person, "--keep-colour", "#465faa", "--colour-tolerance", "30")
-    held = claim(database, done.stdout.strip(), "me", 60.0)
+    held = claim(database, done.stdout.split()[0], "me", 60.0)
     selection = unpack_request(settings, database, store, held, tmp_path / "job").selection
     assert selection is not None
     assert (selection.colour, selection.tolerance, selection.labels) == ("#465faa", 30.0, None)

@@ -60,9 +60,9 @@ def test_what_a_scan_is_taken_for(cli, database, tmp_path):
         ("--fabric upper:denim", "person", "whole person"),
         ("--fabric denim --body builtin:female", "recover", "unless"),
     ):
-        done = cli("submit", scan, *words.split())
+        done = cli("submit", scan, "--no-check", *words.split())
         assert done.returncode == 0, (words, done.stderr)
-        assert find_job(database, done.stdout.strip()).kind == kind and said in done.stderr, words
+        assert find_job(database, done.stdout.split()[0]).kind == kind and said in done.stdout, words
     (row,) = read_rows(cli("submit", scan, "--json"))
     assert "whole person" in row["taken_as"]
 
@@ -84,8 +84,8 @@ def test_what_cannot_be_meant_of_a_person(cli, tmp_path):
         ("--fabric upper:denim --fabric upper:denim", 2, "settings.bad"),
     ):
         done = cli("submit", scan, *words.split())
-        assert done.returncode == status and done.stderr.startswith(f"error {code}"), (words, done.stderr)
-        assert done.stderr.count("\n") == 1, words
+        told = done.stdout + done.stderr
+        assert done.returncode == status and f"{code}: " in told and told.count("\n") == 1, (words, told)
 
 
 def test_all_garments_of_a_person(ask, work, database, tmp_path):
@@ -97,7 +97,7 @@ def test_all_garments_of_a_person(ask, work, database, tmp_path):
     scan = put_file(tmp_path, "anna.ply")
     done = ask("submit", scan, *words, "--tag", "spring")
     assert done.returncode == 0, done.stderr
-    root = done.stdout.strip()
+    root = done.stdout.split()[0]
     request = find_job(database, root).request
     assert request["choices"]["lower"]["template"]["name"] == "base.json" and request["marks"] == ["upper=0,1,0"]
     work()
@@ -135,7 +135,7 @@ def test_all_garments_of_a_person(ask, work, database, tmp_path):
 def test_a_doubtful_person_is_brought_out(ask, work, tmp_path):
     """Breaks where labels and report of a doubtful person cannot be had, or its status is that of success."""
     scan, out = put_file(tmp_path, "unsure.ply"), tmp_path / "out"
-    root = ask("submit", scan).stdout.strip()
+    root = ask("submit", scan).stdout.split()[0]
     work()
     shown = ask("result", root)
     assert shown.returncode == 4 and "error segment.unsure" in shown.stderr

@@ -198,9 +198,10 @@ def test_commands_ask_for_it_later_or_wait(cli, database, tmp_path):
     for name in ("one", "two", "three"):
         put_file(tmp_path, f"{name}.ply")
     table.write_text("scan,redrape\ntwo.ply,never\nthree.ply,\n")
-    jobs = cli("submit", tmp_path / "one.ply", table, "--body", body).stdout.split()
+    jobs = cli("submit", tmp_path / "one.ply", table, "--body", body).stdout.splitlines()
+    jobs = [line.split()[0] for line in jobs]
     assert [find_job(database, job).request["settings"].get("redrape") for job in jobs] == ["later", "never", "later"]
-    waited = cli("submit", tmp_path / "one.ply", "--body", body, "--redrape", "wait", "--force").stdout.strip()
+    waited = cli("submit", tmp_path / "one.ply", "--body", body, "--redrape", "wait", "--force").stdout.split()[0]
     assert "redrape" not in find_job(database, waited).request["settings"]
     assert cli("submit", tmp_path / "one.ply", "--body", body, "--redrape", "soon").returncode == 2
 

@@ -55,6 +55,7 @@ def make_settings(home: Path, **changes) -> ServiceSettings:
         "pipeline": "garmentq_standin:recover",
         "writer": "garmentq_standin:write",
         "checker": "garmentq_checker:check",
+        "person_checker": "garmentq_checker:check",
     }
     return ServiceSettings(home=home, **(quick | changes))
 
