@@ -15,7 +15,7 @@ from sqlalchemy.orm import Session, aliased
 
 from ..core.run.errors import BadInput
 from .database import Database, skip_damaged_rows
-from .models import JobRow, JobTagRow, MetricRow, OwnerRow
+from .models import JobInputRow, JobRow, JobTagRow, MetricRow, OwnerRow
 from .states import State
 
 TEXTS: dict[str, Any] = {
@@ -221,6 +221,37 @@ def find_roots(
         return list(session.scalars(statement.order_by(JobRow.created.desc(), JobRow.id).limit(limit)))
 
 
+@skip_damaged_rows
+def find_families(
+    database: Database, conditions: Sequence[Condition], limit: int, owner: str | None = None, before: str | None = None
+) -> list[tuple[str, str]]:
+    """Return ids and names of the newest root jobs of families in which one job meets every condition.
+
+    Roots that work on another job's result are left out: they belong to that one. With `before` only those older than
+    a job.
+
+    Raises:
+        QueryBad: if a name is unknown.
+    """
+    root = aliased(JobRow)
+    statement = select(root.id, root.name).where(root.parent.is_(None), ~exists().where(JobInputRow.job == root.id))
+    with database.read() as session:
+        if owner is not None:
+            statement = statement.where(_is_named(session, OwnerRow.job, OwnerRow.key == owner, root.id))
+        if conditions:
+            members = _select(session, conditions, None).with_only_columns(JobRow.family)
+            first = members.limit(MIN_EXISTS_MATCH_COUNT).subquery()
+            count = session.scalar(select(func.count()).select_from(first)) or 0
+            in_order = members.where(JobRow.family == root.id).correlate(root).exists()
+            statement = statement.where(root.id.in_(members) if count < MIN_EXISTS_MATCH_COUNT else in_order)
+        last = session.scalar(_select(session, (), owner).where(JobRow.id == before)) if before else None
+        if last is not None:
+            older = (root.created == last.created) & (root.id > last.id)
+            statement = statement.where((root.created < last.created) | older)
+        rows = session.execute(statement.order_by(root.created.desc(), root.id).limit(limit))
+        return [(row[0], row[1]) for row in rows]
+
+
 def _select(session: Session, conditions: Sequence[Condition], owner: str | None) -> Select[Any]:
     """Return the query for the jobs of an owner that meet every condition."""
     statement: Select[Any] = select(JobRow)
@@ -292,15 +323,15 @@ def _meets(session: Session, condition: Condition) -> ColumnElement[bool]:
     return _is_named(session, metric.job, (metric.name == name) & compare(metric.value, condition.value))
 
 
-def _is_named(session: Session, job: Any, matches: ColumnElement[bool]) -> ColumnElement[bool]:
-    """Return the condition that matching rows of another table name a job in their column `job`.
+def _is_named(session: Session, job: Any, matches: ColumnElement[bool], of: Any = JobRow.id) -> ColumnElement[bool]:
+    """Return the condition that matching rows of another table name a job, its id `of`, in their column `job`.
 
     If many rows match, each job is looked up in the order of the jobs until enough are found; if few match, the index
     of the other table lists them at once. The reverse is slow in a long table.
     """
     if _is_rare(session, job, matches):
-        return JobRow.id.in_(select(job).where(matches))
-    return exists().where(job == JobRow.id, matches)
+        return cast(ColumnElement[bool], of.in_(select(job).where(matches)))
+    return exists().where(job == of, matches)
 
 
 def _is_rare(session: Session, job: Any, matches: ColumnElement[bool]) -> bool:

@@ -1,9 +1,10 @@
-"""`/results/ID/report`, its pictures and meshes, and the thumbnail of each job."""
+"""`/results/ID/report`, its pictures and meshes, and the figure of each job."""
 
 from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Collection
+from contextlib import suppress
 
 from fastapi import Request, Response
 
@@ -11,11 +12,13 @@ from ..api.access import AppState, AppStateDependency, find_own
 from ..api.download import BYTES, Download, SendOptions, send_file, slice_bytes
 from ..records import Artifact
 from ..results import ResultMissing, list_files
+from ..store import ArtifactDamaged, ArtifactMissing
+from .figures import cut_figure, find_figure
 from .page_route import make_router
 from .session import VisitorOf
 from .shell import Visitor
 from .shown_meshes import SCANS, WORN, list_shown
-from .stored_files import MAX_REPORT_FILE_SIZE, REPORT, find_file, list_pictures, make_thumbnail, pack_files
+from .stored_files import REPORT, find_file, list_pictures, pack_files
 
 router = make_router()
 
@@ -89,18 +92,18 @@ def _send_packed(
 
 @router.get("/jobs/{job}/thumbnail")
 def show_thumbnail(job: str, request: Request, rooms: AppStateDependency, visitor: VisitorOf) -> Response:
-    """Return a job's thumbnail; a blank picture if its result has none."""
+    """Return a job's figure; a blank picture if its result has none."""
     row = find_own(rooms, visitor.caller, job)
-    file = find_file(rooms, row.id, REPORT)
-    if file is None or file.size > MAX_REPORT_FILE_SIZE:
+    source = find_figure(rooms, row.id, row.kind)
+    if source is None:
         return Response(BLANK, media_type="image/svg+xml")
-    etag = f'"{file.sha256}"'
-    if etag in request.headers.get("if-none-match", ""):
-        return Response(status_code=304, headers={"etag": etag, "cache-control": PICTURE_CACHE_CONTROL})
-    small = make_thumbnail(rooms.store, file.sha256)
-    if small is None:
-        return Response(BLANK, media_type="image/svg+xml")
-    return Response(small, media_type="image/png", headers={"etag": etag, "cache-control": PICTURE_CACHE_CONTROL})
+    headers = {"etag": f'"figure-{source.sha256}"', "cache-control": PICTURE_CACHE_CONTROL}
+    if headers["etag"] in request.headers.get("if-none-match", ""):
+        return Response(status_code=304, headers=headers)
+    with suppress(ArtifactMissing, ArtifactDamaged):
+        if (figure := cut_figure(rooms.store, source)) is not None:
+            return Response(figure, media_type="image/webp", headers=headers)
+    return Response(BLANK, media_type="image/svg+xml")
 
 
 BLANK = '<svg xmlns="http://www.w3.org/2000/svg" width="1" height="1"/>'

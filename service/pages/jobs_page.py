@@ -1,4 +1,4 @@
-"""`/`: the jobs, newest first, each with those below it, and a form for a new scan."""
+"""`/`: the jobs, newest first, as a gallery or a list, and the form for new scans."""
 
 from __future__ import annotations
 
@@ -10,37 +10,41 @@ from urllib.parse import urlencode
 from fastapi import Depends, Query, Response
 from sqlalchemy import select
 
-from ...core.recover.settings import METHODS, QUALITIES, REDRAPES
-from ...core.run.units import UNITS
-from ...core.scan.header import CLOUDS, FORMATS
 from ..api.access import AppState, AppStateDependency
 from ..families import find_below
-from ..kinds.redrape_request import REDRAPE
-from ..materials import list_materials
+from ..gallery import read_families
 from ..models import JobRow, OwnerRow
-from ..query import JobQuery, find_roots
+from ..query import Condition, JobQuery, find_families, find_roots
 from ..records import JobReport
 from ..results import report_jobs
 from ..states import State
+from .gallery_cards import draw_cards, is_undressed
+from .jobs_list import draw_list
 from .markup import Html, html, join
 from .page_route import make_router
 from .session import VisitorOf
-from .shell import Visitor, draw_shell
-from .words import draw_state, draw_time, draw_verdict
+from .shell import draw_shell
+from .submit_form import draw_form
 
 router = make_router()
 
 PAGE_FAMILY_COUNT = 50
-"""Number of families on one page."""
+"""Number of families on one page of gallery or list."""
 
 Field = Annotated[str, Query(max_length=255)]
+LIST_VIEW = "list"
+"""Value of `view` for the list; the gallery is the page's usual view."""
+
 FILTERS = ("state", "verdict", "garment", "kind", "tag", "name")
 """Fields by which the list can be filtered, by the names of `query`, beside a condition."""
 
 
 @dataclass(frozen=True)
 class JobListQuery:
-    """Describe a filter by fields and a condition of `query`; empty fields are ignored; only jobs before `before`."""
+    """Describe a filter by fields and a condition of `query`; empty fields are ignored; only jobs before `before`.
+
+    `view` is `list` or empty; with `bodies` persons without a garment are shown, too.
+    """
 
     state: Field = ""
     verdict: Field = ""
@@ -50,36 +54,93 @@ class JobListQuery:
     name: Field = ""
     where: Annotated[str, Query(max_length=1000)] = ""
     before: Annotated[str, Query(max_length=16, pattern="^[0-9a-f]*$")] = ""
+    view: Annotated[str, Query(pattern=f"^({LIST_VIEW})?$")] = ""
+    bodies: Annotated[str, Query(pattern="^1?$")] = ""
 
     @property
     def chosen(self) -> dict[str, str]:
         """Return the fields that are set."""
         return {name: value for name in FILTERS if (value := str(getattr(self, name)).strip())}
 
+    @property
+    def is_filtered(self) -> bool:
+        """Return whether a field or a condition is set."""
+        return bool(self.chosen or self.where.strip())
+
+    @property
+    def conditions(self) -> list[Condition]:
+        """Return every condition of the filter.
+
+        Raises:
+            QueryBad: if one cannot be parsed.
+        """
+        return JobQuery(self.chosen, [self.where] if self.where.strip() else []).conditions
+
+    def link(self, **changes: str) -> str:
+        """Return the address of this page with some of its fields changed."""
+        fields = self.chosen | {name: getattr(self, name).strip() for name in ("where", "before", "view", "bodies")}
+        found = {name: value for name, value in (fields | changes).items() if value}
+        return f"/?{urlencode(found)}" if found else "/"
+
 
 @router.get("/")
 def show_jobs(rooms: AppStateDependency, visitor: VisitorOf, query: Annotated[JobListQuery, Depends()]) -> Response:
-    """Return the page of the visitor's jobs."""
-    chosen, where, before = query.chosen, query.where, query.before
-    job_query = JobQuery(chosen, [where] if where.strip() else [])
+    """Return the page of the visitor's jobs, as a gallery or as a list."""
     owner = None if visitor.caller.sees_all else visitor.caller.key
-    roots = find_roots(rooms.database, job_query.conditions, PAGE_FAMILY_COUNT + 1, owner, before or None)
-    families = _gather(rooms, roots[:PAGE_FAMILY_COUNT], owner)
-    filters = chosen | ({"where": where} if where.strip() else {})
-    has_older = len(roots) > PAGE_FAMILY_COUNT
-    more = html('<a class="button" rel="next" href="/?{}">Older jobs</a>',
-                urlencode(filters | {"before": roots[PAGE_FAMILY_COUNT - 1].id})) if has_older else Html()  # fmt: skip
-    newest = html('<a class="button" href="/?{}">Newest jobs</a>', urlencode(filters)) if before else Html()
+    is_list = query.view == LIST_VIEW
+    shown, older = _draw_table(rooms, query, owner) if is_list else _draw_gallery(rooms, query, owner)
+    if not shown:
+        shown = _draw_nothing(query)
+    more = html('<a class="button" rel="next" href="{}">Older jobs</a>', query.link(before=older)) if older else Html()
+    newest = html('<a class="button" href="{}">Newest jobs</a>', query.link(before="")) if query.before else Html()
     content = join(
         [
-            html("<h1>Jobs</h1>"),
-            _draw_drop(rooms, visitor) if visitor.may_submit else Html(),
-            _draw_filters(chosen | {"where": where}),
-            _draw_list(families, is_filtered=bool(filters)),
+            html('<div class="bar"><h1>{}</h1>{}</div>', "Jobs" if is_list else "Gallery", _draw_views(query)),
+            draw_form(rooms) if visitor.may_submit else Html(),
+            _draw_filters(query.chosen | {"where": query.where}, query.view),
+            shown,
             html('<p class="row">{}{}</p>', newest, more),
         ]
     )
     return draw_shell("Jobs", content, visitor, ["jobs.js"], "/")
+
+
+def _draw_gallery(rooms: AppState, query: JobListQuery, owner: str | None) -> tuple[Html, str]:
+    """Return the cards of a page, and the root after which the next one begins; empty texts where there is none."""
+    roots = find_families(rooms.database, query.conditions, PAGE_FAMILY_COUNT + 1, owner, query.before or None)
+    shown = [root for root, _ in roots[:PAGE_FAMILY_COUNT]]
+    families = read_families(rooms.database, shown, owner)
+    cards = draw_cards(families, bool(query.bodies)) if families else Html()
+    if query.bodies or any(map(is_undressed, families)):
+        url, verb = (query.link(bodies=""), "Hide") if query.bodies else (query.link(bodies="1"), "Show")
+        cards = html("{}{}", cards, html(BODIES, url=url, verb=verb))
+    return cards, shown[-1] if len(roots) > PAGE_FAMILY_COUNT else ""
+
+
+def _draw_table(rooms: AppState, query: JobListQuery, owner: str | None) -> tuple[Html, str]:
+    """Return the list of a page, and the root after which the next one begins; empty texts where there is none."""
+    roots = find_roots(rooms.database, query.conditions, PAGE_FAMILY_COUNT + 1, owner, query.before or None)
+    shown = roots[:PAGE_FAMILY_COUNT]
+    rows = draw_list(_gather(rooms, shown, owner)) if shown else Html()
+    return rows, shown[-1].id if len(roots) > PAGE_FAMILY_COUNT else ""
+
+
+def _draw_nothing(query: JobListQuery) -> Html:
+    if not query.is_filtered:
+        return html('<p class="card soft" id="jobs">There are no jobs yet: drop a scan above.</p>')
+    if query.view == LIST_VIEW:
+        return html('<p class="card soft" id="jobs">No job matches. <a href="/?view=list">All jobs</a></p>')
+    return html(NOTHING, url=query.link(view=LIST_VIEW, before=""))
+
+
+def _draw_views(query: JobListQuery) -> Html:
+    """Return the links between gallery and list; the filter stays."""
+    one = '<a href="{}"{}>{}</a>'
+    links = [
+        html(one, query.link(view=view, before=""), Html(' aria-current="true"' if query.view == view else ""), name)
+        for view, name in (("", "Gallery"), (LIST_VIEW, "List"))
+    ]
+    return html('<div class="toggle" role="group" aria-label="View">{}</div>', join(links))
 
 
 def _gather(rooms: AppState, roots: list[JobRow], owner: str | None) -> list[list[JobReport]]:
@@ -97,31 +158,7 @@ def _gather(rooms: AppState, roots: list[JobRow], owner: str | None) -> list[lis
     return list(families.values())
 
 
-def _draw_list(families: list[list[JobReport]], is_filtered: bool) -> Html:
-    if not families:
-        text = "No job matches." if is_filtered else "There are no jobs yet: drop a scan above."
-        return html('<p class="card soft">{}</p>', text)
-    rows = join(_draw_row(job, depth > 0) for family in families for depth, job in enumerate(family))
-    return html(LIST, rows=rows)
-
-
-def _draw_row(job: JobReport, is_below: bool) -> Html:
-    is_alone = job.kind != REDRAPE and all(child.kind == REDRAPE for child in job.children)
-    url = f"/results/{job.id}" if job.state == State.SUCCEEDED and is_alone else f"/jobs/{job.id}"
-    thumbnail = Html()
-    if job.state == State.SUCCEEDED:
-        thumbnail = html('<img src="/jobs/{}/thumbnail" alt="" width="56" height="75" loading="lazy">', job.id)
-    what = " · ".join([job.kind, ", ".join(one for one in (job.garment, job.fabric) if one)]).removesuffix(" · ")
-    error = html('<span class="bad">{}</span>', job.error.message) if job.error else Html()
-    tags = join((html('<span class="tag">{}</span>', tag) for tag in job.tags), " ") if not is_below else Html()
-    return html(
-        ROW, look=" below" if is_below else "", job=job.id, picture=thumbnail, url=url, name=job.name, what=what,
-        state=draw_state(job), verdict=draw_verdict(job.verdict), created=draw_time(job.created),
-        error=error, tags=tags, open="" if job.finished else " open",
-    )  # fmt: skip
-
-
-def _draw_filters(chosen: Mapping[str, str]) -> Html:
+def _draw_filters(chosen: Mapping[str, str], view: str) -> Html:
     def options(values: list[str], field: str) -> Html:
         return join(
             html('<option value="{}"{}>{}</option>', one, Html(" selected" if chosen.get(field, "") == one else ""),
@@ -130,33 +167,17 @@ def _draw_filters(chosen: Mapping[str, str]) -> Html:
 
     return html(
         FILTER, states=options([one.value for one in State], "state"), verdicts=options(VERDICTS, "verdict"),
-        open=Html(" open" if any(chosen.values()) else ""),
+        open=Html(" open" if any(chosen.values()) else ""), view=view, all=f"/?view={view}" if view else "/",
         **{field: chosen.get(field, "") for field in ("garment", "kind", "tag", "name", "where")},
     )  # fmt: skip
 
 
-def _draw_drop(rooms: AppState, visitor: Visitor) -> Html:
-    fabrics = join(html('<option value="{}">{}</option>', one.name, one.title or one.name)
-                   for one in list_materials(rooms.database))  # fmt: skip
-    qualities = join(html("<option>{}</option>", name) for name in QUALITIES)
-    methods = join(html("<option>{}</option>", name) for name in METHODS)
-    units = join((html("<option>{}</option>", name) for name in UNITS), "")
-    redrapes = join(html("<option>{}</option>", name) for name in REDRAPES)
-    scans, bodies = ([f".{name}" for name in names] for names in ((*FORMATS, *CLOUDS), (*FORMATS, "npz", "json")))
-    return html(DROP, fabrics=fabrics, qualities=qualities, methods=methods, redrapes=redrapes, units=units,
-                scans=",".join(scans), bodies=",".join(bodies),
-                formats=", ".join((*FORMATS, *CLOUDS)).upper())  # fmt: skip
-
-
 VERDICTS = ["pass", "doubtful", "fail"]
 
-LIST = """<div class="wide"><table class="jobs"><thead><tr><th scope="col"><span class="hushed">Picture</span></th>
-<th scope="col">Job</th><th scope="col">State</th><th scope="col">Verdict</th><th scope="col">Created</th></tr></thead>
-<tbody>{rows}</tbody></table></div>"""
+NOTHING = """<p class="card soft" id="jobs">No person or garment matches.
+<a href="{url}">Look in the list of all jobs</a></p>"""
 
-ROW = """<tr class="job{look}{open}" data-job="{job}"><td class="picture">{picture}</td>
-<td><a href="{url}">{name}</a> {tags}<br><span class="soft">{what}</span> {error}</td>
-<td><a class="plain" href="/jobs/{job}">{state}</a></td><td>{verdict}</td><td class="soft">{created}</td></tr>"""
+BODIES = """<p><a class="button" href="{url}">{verb} pictures of persons without a garment</a></p>"""
 
 FILTER = """<details class="card filters"{open}><summary>Find jobs</summary><form method="get" action="/" class="row">
 <label>State <select name="state">{states}</select></label>
@@ -166,33 +187,5 @@ FILTER = """<details class="card filters"{open}><summary>Find jobs</summary><for
 <label>Tag <input name="tag" value="{tag}" size="10"></label>
 <label>Name <input name="name" value="{name}" size="14"></label>
 <label>Condition <input name="where" value="{where}" size="30" placeholder="surface_rms_mm.t2s &lt; 4"></label>
-<button type="submit">Find</button> <a href="/">All jobs</a></form></details>"""
-
-DROP = """<form id="submit" class="card"><h2>New job</h2>
-<div id="drop" class="drop"><label for="scan">Drop a scan here, or choose a file</label>
-<input id="scan" name="scan" type="file" accept="{scans}" required>
-<p id="told" class="soft" role="status">A raw scan of a person, or a garment: {formats}.</p>
-</div>
-<details><summary>Options</summary><div class="options">
-<label>Name <input name="name" maxlength="255" placeholder="the file's name"></label>
-<label>Tags <input name="tags" placeholder="spring, fitting"></label>
-<label>The scan is <select name="as"><option value="">detected</option><option value="person">a person</option>
-<option value="garment">a garment</option></select></label>
-<label>Unit <select name="units"><option value="">detected</option>{units}</select></label>
-<label>Up axis <select name="up"><option value="">detected</option><option>y</option><option>z</option>
-<option>-y</option><option>-z</option><option>x</option><option>-x</option></select></label>
-<label>Height <input name="height" type="number" min="0.5" max="2.5" step="0.01" placeholder="by the unit"></label>
-<label>Body <input name="body" placeholder="builtin:female,height=1.70"></label>
-<label>Body's file <input name="body_file" type="file" accept="{bodies}"></label>
-<label>Labels <input name="labels" type="file" accept=".npz,.npy,.json,.txt"></label>
-<label>Wearing <input name="wearing" placeholder="upper,lower"></label>
-<label>Template <input name="template" placeholder="chosen from the scan"></label>
-<label>Fabric <select name="fabric"><option value="">default</option>{fabrics}</select></label>
-<label>Quality <select name="quality"><option value="">default</option>{qualities}</select></label>
-<label>Method <select name="method"><option value="">default</option>{methods}</select></label>
-<label>Re-drape <select name="redrape"><option value="">default</option>{redrapes}</select></label>
-</div></details>
-<p class="row"><button type="submit" class="primary">Queue the job</button><progress id="sent" max="1" value="0" hidden
- aria-label="Upload"></progress></p><div id="problem"></div>
-<section id="understood" hidden aria-label="Detected in the scan"><h3>Detected in the scan</h3>
-<div class="wide"><table></table></div><p id="looking" class="soft" role="status"></p></section></form>"""
+<input type="hidden" name="view" value="{view}"><button type="submit">Find</button>
+<a href="{all}">All jobs</a></form></details>"""

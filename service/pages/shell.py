@@ -96,6 +96,7 @@ TEMPLATE = """<!doctype html>
 {csrf}
 <link rel="icon" href="/static/{edition}/icon.svg" type="image/svg+xml">
 <link rel="stylesheet" href="/static/{edition}/style.css">
+<link rel="stylesheet" href="/static/{edition}/gallery.css">
 {scripts}
 </head>
 <body>

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import io
 import json
 import re
 from contextlib import suppress
@@ -22,11 +21,8 @@ REPORT = "report.html"
 PICTURE = re.compile(r'<img [^>]*?alt="([^"]*)"[^>]*? src="data:image/(png|gif);base64,([A-Za-z0-9+/=]+)"')
 """A picture in one of our reports: its alternative text and its bytes."""
 
-THUMBNAIL_TITLES = ("Detail mesh, front", "both wearers", "all garments", "contact sheet", "scan, body")
-"""Beginnings of the titles of the picture that becomes the thumbnail, for each kind's report."""
-
-MAX_THUMBNAIL_SIZE_PX = (112, 150)
-"""Largest width and height of a thumbnail [pixels]: twice the size in which it is shown, for dense screens."""
+PICTURE_DATA = re.compile(rb' src="data:image/(?:png|gif);base64,([A-Za-z0-9+/=]+)"')
+"""The bytes of a picture in one of our reports."""
 
 MAX_REPORT_FILE_SIZE = 32 * 1024**2
 """Largest report whose pictures are shown separately [bytes]; ours are below 5 MB."""
@@ -77,9 +73,16 @@ def list_pictures(services: Services, job: str) -> tuple[Picture, ...]:
 
 @lru_cache(maxsize=16)
 def _read_pictures(store: Store, sha256: str) -> tuple[Picture, ...]:
-    """Read the pictures from the stored report; a hash always has the same content."""
+    """Return the pictures of a stored report; a hash always has the same content."""
     text = store.get_bytes(sha256).decode("utf-8", "replace")
     return tuple(Picture(title, kind, base64.b64decode(data)) for title, kind, data in PICTURE.findall(text))
+
+
+def read_picture(report: bytes, title: str) -> bytes | None:
+    """Return the first picture of a report whose title begins with some words; no other one is decoded."""
+    start = report.find(f'alt="{title}'.encode())
+    found = PICTURE_DATA.search(report, start) if start >= 0 else None
+    return base64.b64decode(found[1]) if found else None
 
 
 def pack_files(store: Store, files: tuple[tuple[str, str], ...]) -> bytes:
@@ -89,22 +92,3 @@ def pack_files(store: Store, files: tuple[tuple[str, str], ...]) -> bytes:
     content = {name: store.get_bytes(sha256) for name, sha256 in files}
     worn = content.pop(WORN, None)
     return pack_shown({name.removesuffix(".ply"): mesh for name, mesh in content.items()}, worn)
-
-
-@lru_cache(maxsize=512)
-def make_thumbnail(store: Store, sha256: str) -> bytes | None:
-    """Return the thumbnail of a report as PNG, or None if it has none."""
-    from PIL import Image
-
-    pictures = _read_pictures(store, sha256)
-    chosen = next((one for head in THUMBNAIL_TITLES for one in pictures if one.title.startswith(head)), None)
-    if chosen is None:
-        return None
-    with Image.open(io.BytesIO(chosen.content)) as whole:
-        seen = whole.convert("RGBA")
-    small = Image.new("RGB", seen.size, "white")
-    small.paste(seen, mask=seen)
-    small.thumbnail(MAX_THUMBNAIL_SIZE_PX)
-    out = io.BytesIO()
-    small.save(out, "PNG", optimize=True)
-    return out.getvalue()

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any
 
+from ..gallery import GalleryJob
 from ..kinds.redrape_request import REDRAPE
 from ..outfit_readings import Reading, list_readings, name_category, name_end
 from ..records import Gate, JobReport, RedrapeState
@@ -19,7 +20,7 @@ VERDICTS = {"pass": "good", "doubtful": "doubt", "fail": "bad"}
 """CSS class of a verdict."""
 
 
-def draw_state(job: JobReport) -> Html:
+def draw_state(job: JobReport | GalleryJob) -> Html:
     """Return a job's state, with its stage if it runs."""
     text = f"{job.state}: {job.stage} {job.progress:.0%}" if job.state == State.RUNNING and job.stage else job.state
     return html('<span class="state {}" data-state="{}">{}</span>', STATE_CLASSES.get(job.state, ""), job.state, text)

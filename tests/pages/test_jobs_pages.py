@@ -170,15 +170,15 @@ def test_a_job_is_followed_live(page, site, held):
 def test_the_list_lives_and_is_found_by_filters(page, site, held):
     """Broken where a running job stands still in the list, or a filter of `query` finds others."""
     claimed = held("find-me")
-    page.goto("/?name=find-me")
+    page.goto("/?view=list&name=find-me")
     assert page.locator("tr.job").count() == 1
     report(site.services.database, claimed, Progress("drape", 0.5, ""))
     page.get_by_text("running: drape 50%").wait_for()
     fail(site.services.database, claimed, "scan.truncated", "The file is cut off.", True)
     page.get_by_text("The file is cut off.").wait_for()
-    page.goto("/?name=find-me&state=succeeded")
+    page.goto("/?view=list&name=find-me&state=succeeded")
     assert page.locator("tr.job").count() == 0
-    page.goto("/?where=" + "surface_rms_mm.t2s < 1000")
+    page.goto("/?view=list&where=" + "surface_rms_mm.t2s < 1000")
     names = page.locator("tr.job a:not(.plain)").all_inner_texts()
     assert "tube" in names and "find-me" not in names
     small = page.locator(f'tr[data-job="{site.result}"] img')
@@ -209,6 +209,8 @@ def test_another_key_sees_and_changes_nothing(chromium, own_site):
             assert opened.request.post("/signin", form={"token": token}).ok
             page = opened.new_page()
             page.goto("/")
+            assert page.locator("li.family").count() == (2 if is_hers else 0)
+            page.goto("/?view=list")
             assert page.locator("tr.job").count() == (2 if is_hers else 0)
             pages = (f"/jobs/{site.result}", f"/results/{site.result}", f"/results/{site.result}/report",
                      f"/results/{site.result}/pictures/0", f"/jobs/{site.result}/thumbnail")  # fmt: skip
@@ -231,14 +233,15 @@ def test_who_may_only_read_is_offered_no_change(own_site):
         assert "data-export" not in result and "/edit" not in result
 
 
-def test_pages_of_the_list_follow_each_other(own_site, monkeypatch):
+@pytest.mark.parametrize("first", ["/", "/?view=list"])
+def test_pages_of_the_list_follow_each_other(own_site, monkeypatch, first):
     """Broken where a job is left out or shown twice at the turn of a page, or a child stands without its parent."""
     site = own_site
     monkeypatch.setattr(jobs_page, "PAGE_FAMILY_COUNT", 2)
     made = [site.queue(f"job {n}") for n in range(4)]
     with httpx.Client(base_url=site.url) as client:
         client.post("/signin", data={"token": site.token})
-        url, seen = "/", []
+        url, seen = first, []
         while url:
             text = client.get(url).text
             seen += re.findall(r'data-job="([0-9a-f]+)"', text)

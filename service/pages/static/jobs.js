@@ -1,39 +1,9 @@
-// The list of jobs: live states, and the form that queues a scan.
+// Gallery and list of jobs: live states, selection, and the form that queues scans.
 import { postJson, uploadFile } from './api.js';
 import { find, showError } from './dom.js';
 import { Inspection } from './inspection.js';
+import { followJobs } from './live.js';
 import { showTimes, tellSize } from './times.js';
-
-/** Interval at which the states of open jobs are polled, all in one request [ms]. */
-const PERIOD_MS = 1000;
-
-const OPEN = new Set(['waiting', 'queued', 'running']);
-
-/** Poll the states of the page's open jobs until none is left; a family that grew or ended is redrawn. */
-async function followList() {
-  for (;;) {
-    const rows = [...document.querySelectorAll('tr.job.open')];
-    if (!rows.length) return;
-    if (!document.hidden) {
-      try {
-        const asked = rows.slice(0, 1000).map((row) => row.getAttribute('data-job'));
-        const { jobs } = await postJson('/v1/jobs/states', { jobs: asked });
-        for (const job of jobs) {
-          const place = find(`tr[data-job="${job.job}"] [data-state]`);
-          place.textContent = job.state === 'running' && job.stage
-            ? `running: ${job.stage} ${Math.round(job.progress * 100)}%` : job.state;
-          if (!OPEN.has(job.state)) {
-            location.reload();
-            return;
-          }
-        }
-      } catch (error) {
-        if (error.status && error.status < 500 && error.status !== 429) return;
-      }
-    }
-    await new Promise((resolve) => setTimeout(resolve, PERIOD_MS));
-  }
-}
 
 /** @param {FormData} form @param {string} scan its hash @returns {Promise<object>} what `/v1/jobs` is asked, its other files uploaded */
 async function readOrder(form, scan) {
@@ -125,4 +95,4 @@ function startForm() {
 
 showTimes();
 startForm();
-followList();
+followJobs();
