@@ -24,11 +24,13 @@ def command(is_check: bool, home: Path | None) -> None:
       garmentq courier
     """
     from ..service.settings import read_settings
-    from ..workers.courier import check_courier, run_courier
+    from ..workers.alive import Kept, check_heartbeat
 
     settings = read_settings(home=home)
     if is_check:
-        check_courier(settings)
+        check_heartbeat(settings, Kept.COURIER)
         return
+    from ..workers.courier import run_courier
+
     with suppress(KeyboardInterrupt):
         run_courier(settings)

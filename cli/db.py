@@ -25,8 +25,9 @@ def command() -> None:
 def upgrade(home: Path | None, as_json: bool) -> None:
     """Create or upgrade the tables, create the store's folder or bucket, and make the home private.
 
-    No other command changes existing tables, because an older version could not use them afterwards. A deployment runs
-    this once before its workers start. Two at the same time wait for each other.
+    The only command that does so, except that a home's SQLite file gets its tables from whichever command comes first.
+    An older version cannot use upgraded tables. A deployment runs this once before its workers start; two at the same
+    time wait for each other.
 
     \b
     Example:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ..core.run.errors import BadInput, Cancelled, GarmentqError, NotFound
+from ..core.run.errors import BadInput, Cancelled, GarmentqError, NotFound, Unavailable
 from ..core.run.verdict import Verdict
 from ..service.records import Job
 from ..service.states import State
@@ -54,7 +54,8 @@ def error_status(error: GarmentqError) -> int:
         return BAD_INPUT
     if isinstance(error, Cancelled):
         return CANCELLED
-    return UNREACHABLE if error.code.startswith("service.") else FAULT
+    is_away = isinstance(error, Unavailable) or error.code.startswith("service.")
+    return UNREACHABLE if is_away else FAULT
 
 
 def job_status(job: Job, is_lenient: bool = False) -> int:

@@ -46,13 +46,15 @@ def command(
     from dataclasses import replace
 
     from ..service.api.limits import read_limits
-    from ..service.api.server import serve
+    from ..service.api.server import check_keys, serve
     from ..service.settings import read_settings
 
     settings, limits = read_settings(home=home), read_limits()
     if max_upload_mb is not None:
         limits = replace(limits, upload_bytes=max_upload_mb << 20)
     with suppress(KeyboardInterrupt):
+        if not await_key:
+            check_keys(settings, host, allow_host)  # before anything is announced
         announce(settings, host, port, is_alone=not allow_host)
         serve(settings, host, port, limits, allow_host, needs_key=not await_key)
 
@@ -82,6 +84,6 @@ def announce(settings: ServiceSettings, host: str, port: int, is_alone: bool = T
     if is_keyless:
         print_note(f"there are no keys: programs of this user send the token in {settings.home / 'api.token'}")
     if has_no_worker:
-        print_note(
-            "no worker is up, so jobs will wait; `garmentq up` starts one, `garmentq up --serve` keeps both running"
-        )
+        embedded = "`garmentq up` starts one, `garmentq up --serve` keeps both running"
+        start = "start `garmentq worker` on each host that computes" if settings.is_database_server else embedded
+        print_note(f"no worker is up, so jobs will wait; {start}")

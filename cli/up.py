@@ -68,10 +68,11 @@ def _serve(
     settings: ServiceSettings, workers: int | None, address: tuple[str, int], hosts: tuple[str, ...], as_json: bool
 ) -> None:
     """Start everything, restart what dies, and stop all of it on a stop signal, at whatever point of the start."""
-    from ..service.api.server import serve
+    from ..service.api.server import check_keys, serve
     from ..workers.embedded import keep_services_up, stop_services
     from .serve import announce
 
+    check_keys(settings, address[0], hosts)
     kept = ExitStack()
     try:
         _start(settings, workers, as_json)

@@ -16,21 +16,30 @@ from .options import home_option
 @click.option("--workers", type=click.IntRange(1, 256), help="Jobs at a time.  [default: cores]")
 @click.option("--embedded", is_flag=True, help="Run as the home's embedded worker, which stops when idle.")
 @click.option("--queues", default="cpu,gpu", show_default=True, help="Queues to serve.")
+@click.option("--check", "is_check", is_flag=True, help="Only check that one works in this home; status 9: none does.")
 @home_option
 @click.pass_context
-def command(context: click.Context, workers: int | None, embedded: bool, queues: str, home: Path | None) -> None:
+def command(
+    context: click.Context, workers: int | None, embedded: bool, queues: str, is_check: bool, home: Path | None
+) -> None:
     """Run a worker until stopped.
 
     SIGTERM, SIGHUP or Ctrl-C returns its jobs to the queue, where they continue from their last checkpoint. Any number
-    of workers on any number of hosts may share a database, a broker and a store.
+    of workers on any number of hosts may share a database, a broker and a store. --check is for health checks; an
+    unavailable database is not a fault of the worker, which waits for it.
 
     \b
     Example:
       garmentq worker --workers 4
     """
+    from ..service.settings import read_settings
+    from ..workers.alive import Kept, check_heartbeat
+
+    if is_check:
+        check_heartbeat(read_settings(home=home), Kept.WORKER)
+        return
     from ..service.database import open_database
     from ..service.reaper import is_idle
-    from ..service.settings import read_settings
     from ..service.states import QUEUES
     from ..workers.broker import start_broker, stop_broker
     from ..workers.embedded import hold_worker_lock

@@ -37,25 +37,20 @@ from sqlalchemy.sql.functions import FunctionElement
 
 from ..core.run.errors import GarmentqError, Unavailable
 from ..core.run.text import TextBad, has_unstorable_text
-from .columns import RowDamaged, add_functions
+from .columns import RowDamaged
 from .damage import DamagedRow, SoundSession, describe_damaged_rows, find_damaged
 from .lock import hold_lock
 from .private import make_private
 from .settings import ServiceSettingBad, ServiceSettings, hide_password
+from .sqlite_setup import BUSY_SECONDS, WRITE, set_up_sqlite
 
 log = logging.getLogger(__name__)
 
 P = ParamSpec("P")
 T = TypeVar("T")
 
-WRITE = "garmentq_write"
-"""Name of the execution option that marks a writing transaction."""
-
 DATABASE_CONNECT_TIMEOUT = 10
 """Time limit for PostgreSQL to accept a connection [s]; a distant server takes a fraction of a second."""
-
-BUSY_SECONDS = 30
-"""Longest wait of SQLite for another writer [s]; a write takes milliseconds, so this outlasts any queue."""
 
 DECODE_ERROR_TEXT = "Could not decode to UTF-8"
 """The driver's message for a text that is not UTF-8."""
@@ -71,9 +66,6 @@ DAMAGED_CODES = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_F
 DOUBT_SECONDS = 60.0
 """Time for which rows found damaged are excluded without another attempt [s]: each attempt may scan a table."""
 
-WAL_SECONDS = 0.05
-"""Pause between two attempts to enter the write-ahead log [s]: a connection opens or closes in less."""
-
 
 class DatabaseUnreachable(Unavailable):
     """The database cannot be reached; check GARMENTQ_DATABASE_URL or the permissions of the home folder."""
@@ -85,6 +77,12 @@ class DatabaseDamaged(DatabaseUnreachable):
     """The database file is damaged; `garmentq down`, keep the file aside, then `garmentq restore BACKUP.tar`."""
 
     code = "service.database_damaged"
+
+
+class DatabaseEmpty(GarmentqError):
+    """The database has no tables yet; run `garmentq db upgrade` once, which creates them and the store."""
+
+    code = "service.database_empty"
 
 
 class DatabaseTooNew(GarmentqError):
@@ -204,16 +202,17 @@ def skip_damaged_rows(function: Callable[Concatenate[Database, P], T]) -> Callab
 
 
 def open_database(settings: ServiceSettings, pooled: bool = True, is_upgraded: bool = False) -> Database:
-    """Open the database of a home; create its tables if it is empty.
+    """Open the database of a home; create the tables of an empty SQLite file.
 
     Args:
         settings: Settings of the home.
         pooled: As for `Database`.
-        is_upgraded: Upgrade an old database. Only `garmentq db upgrade` does so: workers and commands of an older
-            version cannot use the database afterwards.
+        is_upgraded: Upgrade an old database, and create the tables of an empty one of a server. Only `garmentq db
+            upgrade` does so: workers and commands of an older version cannot use the database afterwards.
 
     Raises:
         DatabaseUnreachable: if it cannot be opened.
+        DatabaseEmpty: if a server's database has no tables.
         DatabaseTooOld, DatabaseTooNew: if an older or a newer version created it.
     """
     try:
@@ -230,6 +229,8 @@ def open_database(settings: ServiceSettings, pooled: bool = True, is_upgraded: b
     try:
         with database.read() as session:
             current = read_revision(session.connection())
+        if current is None and not is_upgraded and not database.is_sqlite:
+            raise DatabaseEmpty()
         if current is not None and not is_upgraded and current < HEAD:
             raise DatabaseTooOld()
         if current != HEAD:
@@ -327,8 +328,7 @@ def _make_engine(url: str, pooled: bool) -> Engine:
         raise ServiceSettingBad(f"GARMENTQ_DATABASE_URL names '{parsed.drivername}'; use sqlite or postgresql.")
     engine = create_engine(parsed, connect_args={"timeout": BUSY_SECONDS, "check_same_thread": False}, **options)
     event.listen(engine, "before_cursor_execute", _refuse_text)
-    event.listen(engine, "connect", _prepare_sqlite)
-    event.listen(engine, "begin", _begin_sqlite)
+    set_up_sqlite(engine)
     return engine
 
 
@@ -340,34 +340,6 @@ def _refuse_text(connection: Any, cursor: Any, statement: str, values: Any, cont
     """
     if has_unstorable_text(values):
         raise TextBad()
-
-
-def _prepare_sqlite(connection: Any, record: Any) -> None:
-    connection.isolation_level = None  # the driver starts no transaction of its own; `_begin_sqlite` does
-    _enter_wal(connection)
-    add_functions(connection)
-    connection.execute("pragma foreign_keys = on")
-
-
-def _enter_wal(connection: Any) -> None:
-    """Turn the write-ahead log on; wait while another process opens or closes the log.
-
-    SQLite reports that at once as locked, instead of waiting as it does for a writer.
-    """
-    deadline = time.monotonic() + BUSY_SECONDS
-    while True:
-        try:
-            connection.execute("pragma journal_mode = wal")
-            return
-        except sqlite3.OperationalError as error:
-            if "locked" not in str(error) or time.monotonic() > deadline:
-                raise
-            time.sleep(WAL_SECONDS)
-
-
-def _begin_sqlite(connection: Connection) -> None:
-    write = connection.get_execution_options().get(WRITE, False)
-    connection.exec_driver_sql("begin immediate" if write else "begin")
 
 
 @contextmanager

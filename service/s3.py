@@ -39,6 +39,15 @@ S3_PART_SIZE = 16 << 20
 
 MISSING = ("404", "NoSuchKey", "NotFound")
 
+BUCKET_MISSING_CODE = "NoSuchBucket"
+"""The code of a server's answer about a file of a bucket that does not exist."""
+
+
+class BucketMissing(StoreUnreachable):
+    """The store's bucket does not exist; run `garmentq db upgrade`, which creates it, or correct GARMENTQ_STORE."""
+
+    code = "store.bucket_missing"
+
 
 class S3Store(Store):
     """Put and get files by content in a bucket. A partial put is never visible: S3 guarantees that."""
@@ -65,9 +74,8 @@ class S3Store(Store):
     def prepare(self) -> None:
         """Create the bucket if it does not exist."""
         try:
-            with _translate_s3_errors("bucket"):
-                self._client.head_bucket(Bucket=self.bucket)
-        except ArtifactMissing:
+            self.check_bucket()
+        except BucketMissing:
             region = self._client.meta.region_name
             place = {} if region == "us-east-1" else {"CreateBucketConfiguration": {"LocationConstraint": region}}
             with _translate_s3_errors(""):
@@ -77,8 +85,19 @@ class S3Store(Store):
         """Check that the bucket responds and the cache has room; a bucket itself has no limit."""
         make_private(self.root)
         super().check(free_bytes)
-        with _translate_s3_errors(""):
-            self._client.head_bucket(Bucket=self.bucket)
+        self.check_bucket()
+
+    def check_bucket(self) -> None:
+        """Check that the bucket exists.
+
+        Raises:
+            BucketMissing: if it does not.
+        """
+        try:
+            with _translate_s3_errors("bucket"):
+                self._client.head_bucket(Bucket=self.bucket)
+        except ArtifactMissing as error:
+            raise BucketMissing() from error
 
     def path(self, sha256: str) -> Path:
         """Return a checked copy of a stored file in the cache.
@@ -207,6 +226,8 @@ def _translate_s3_errors(sha256: str) -> Iterator[None]:
         yield
     except ClientError as error:
         code = error.response.get("Error", {}).get("Code", "")
+        if code == BUCKET_MISSING_CODE:
+            raise BucketMissing() from error
         if sha256 and code in MISSING:
             raise ArtifactMissing(f"the stored file {sha256[:12]} is missing; restore it, or use --force.") from error
         raise StoreUnreachable(f"the store refused: {code}; check the bucket's name and the credentials.") from error

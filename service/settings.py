@@ -128,6 +128,11 @@ class ServiceSettings:
         return self.store.startswith("s3://")
 
     @property
+    def is_database_server(self) -> bool:
+        """Return whether the database is a server's, which several hosts may share, instead of a file."""
+        return bool(self.database_url) and not self.database_url.startswith("sqlite")
+
+    @property
     def is_embedded(self) -> bool:
         """Return whether the broker is the embedded one."""
         return not self.broker_url

@@ -14,10 +14,9 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from threading import Event
 
-from ..core.run.errors import GarmentqError, Unavailable
+from ..core.run.errors import GarmentqError
 from ..service.database import Database, open_database
 from ..service.home import use_home
 from ..service.logs import set_up_logs
@@ -25,6 +24,7 @@ from ..service.settings import ServiceSettings, read_settings
 from ..service.signals import STOP_SIGNALS, handle_signals
 from ..service.webhook_delivery import send
 from ..service.webhooks import claim_due_messages, note_receipt
+from .alive import Kept, end_heartbeat, renew_heartbeat
 from .detached import launch
 
 log = logging.getLogger(__name__)
@@ -38,21 +38,11 @@ MAX_COURIER_RUNTIME = 60.0
 ROUND_SECONDS = 10.0
 """Interval between the heartbeats of a courier that does not end [s]."""
 
-MAX_COURIER_SILENCE = 60.0
-"""Time since its last heartbeat after which a courier counts as hanging, or as unable to reach the database [s]; a
-round takes 15 s at most."""
-
 
 def start_courier(settings: ServiceSettings, environment: dict[str, str]) -> int:
     """Start a courier and return its process id."""
     command = [sys.executable, "-m", "garmentq.workers.courier"]
     return launch(command, settings.home / "courier.log", environment | settings.as_environment())
-
-
-class CourierAway(Unavailable):
-    """No courier runs in this home; `garmentq courier` starts one."""
-
-    code = "service.courier_away"
 
 
 @contextmanager
@@ -98,33 +88,14 @@ def run_courier(settings: ServiceSettings) -> None:
             while not stop.is_set():
                 try:
                     asyncio.run(deliver(database, settings.webhook_networks, ROUND_SECONDS, stop))
-                    _heartbeat_path(settings).touch()
+                    renew_heartbeat(settings, Kept.COURIER)
                 except GarmentqError as error:
                     log.warning("messages wait: %s", error)
                 stop.wait(settings.poll_seconds)
     finally:
-        _heartbeat_path(settings).unlink(missing_ok=True)
+        end_heartbeat(settings, Kept.COURIER)
         database.dispose()
         os.close(in_use)
-
-
-def check_courier(settings: ServiceSettings) -> None:
-    """Check that a courier of this home has recently looked for messages.
-
-    Raises:
-        CourierAway: if none has.
-    """
-    try:
-        age = time.time() - _heartbeat_path(settings).stat().st_mtime
-    except FileNotFoundError:
-        raise CourierAway() from None
-    if age > MAX_COURIER_SILENCE:
-        raise CourierAway(f"the courier of this home has not checked for messages for {age:.0f} s; see its log.")
-
-
-def _heartbeat_path(settings: ServiceSettings) -> Path:
-    """Return the file whose modification time is the courier's last heartbeat."""
-    return settings.home / "courier.alive"
 
 
 def main() -> int:

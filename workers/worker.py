@@ -16,6 +16,7 @@ import time
 import uuid
 import warnings
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
 
 from billiard.exceptions import TimeLimitExceeded, WorkerLostError
@@ -47,6 +48,7 @@ from ..service.reaper import (
 from ..service.settings import ServiceSettings
 from ..service.states import QUEUES
 from ..service.webhooks import forget_messages, has_due
+from .alive import Kept, end_heartbeat, renew_heartbeat
 from .app import CHANNELS, TASK, count_messages, make_app, publish
 from .courier import start_courier
 from .detached import end_group, has_ended
@@ -87,6 +89,7 @@ class DispatcherStep(bootsteps.StartStopStep):
         # A dying child's pipe closes a moment before the system reports its end; Celery would check again after 5 s.
         parent.timer.call_repeatedly(self.settings.poll_seconds, parent.pool.maintain_pool)
         self.last_heartbeat, self.last_purge, self.next_round = 0.0, -FORGET_OLD_SECONDS, 0.0
+        self.last_sign = -LIFE_SECONDS
         self.courier: int | None = None
         self.clock_guard = ClockJumpGuard(self.settings.lease_seconds)
         self.started = time.monotonic()
@@ -109,6 +112,10 @@ class DispatcherStep(bootsteps.StartStopStep):
 
     def _round(self) -> None:
         """Renew the leases, and do the dispatcher's duties, unless nothing can have come up since the last round."""
+        if time.monotonic() - self.last_sign > LIFE_SECONDS:
+            self.last_sign = time.monotonic()
+            with suppress(OSError):  # a full disk is reported by the jobs
+                renew_heartbeat(self.settings, Kept.WORKER)
         if time.monotonic() < self.next_round or not self.quiet.is_over():
             return
         try:
@@ -211,6 +218,7 @@ def run_worker(
     try:
         worker.start()
     finally:
+        end_heartbeat(settings, Kept.WORKER)
         os.close(in_use)
     return int(worker.exitcode or 0)
 

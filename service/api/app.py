@@ -76,8 +76,9 @@ def make_app(
         generate_unique_id_function=name_operation,
     )  # fmt: skip
     meter, store = Meter(limits), open_store(settings)
-    with suppress(Unavailable):  # `/readyz` reports an unavailable store
-        store.prepare()
+    if not settings.is_store_remote:  # a bucket is made by `garmentq db upgrade`
+        with suppress(Unavailable):  # `/readyz` reports an unavailable store
+            store.prepare()
     token = make_local_token(settings.home) if is_open and not hosts else ""
     calls, lanes = LimitedCalls(limits, meter), ThreadPools()
     app.state.rooms = AppState(settings, open_database(settings), store, limits, token, meter, calls, lanes)

@@ -64,21 +64,34 @@ def serve(
     import uvicorn
 
     in_use = use_home(settings)
-    database = open_database(settings)
-    is_near, hosts = is_loopback(host), read_hosts(hosts)
-    is_reached = bool(hosts) or not is_near
-    if needs_key and is_reached and not any(row.revoked is None for row in list_keys(database)):
-        raise AddressPublic()
-    database.dispose()
+    if needs_key:
+        check_keys(settings, host, hosts)
     from .app import make_app
 
     limits = limits or read_limits()
-    app = make_app(settings, limits, is_near, hosts)
+    app = make_app(settings, limits, is_loopback(host), read_hosts(hosts))
     config = uvicorn.Config(app, host=host, port=port, log_level="warning", **make_options(limits))
     try:
         make_server(config).run()
     finally:
         os.close(in_use)
+
+
+def check_keys(settings: ServiceSettings, host: str, hosts: Sequence[str] = ()) -> None:
+    """Check that a service that other machines reach has a key; arguments as for `serve`.
+
+    Raises:
+        AddressPublic: if it has none.
+        HostBad: if a host name is invalid.
+    """
+    if not read_hosts(hosts) and is_loopback(host):
+        return
+    database = open_database(settings)
+    try:
+        if not any(row.revoked is None for row in list_keys(database)):
+            raise AddressPublic()
+    finally:
+        database.dispose()
 
 
 def make_server(config: uvicorn.Config) -> uvicorn.Server:

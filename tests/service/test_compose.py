@@ -190,7 +190,7 @@ def test_the_dockerfile():
     assert {"secrets", ".git"} <= set((ROOT / ".dockerignore").read_text(encoding="utf-8").split())
     sources = re.findall(r"^COPY (?!--from)(\S+)", text, re.MULTILINE)
     assert all((ROOT / source).exists() for source in sources)
-    from garmentq.cli.doctor import OPEN3D_LIBRARIES
+    from garmentq.cli.doctor_checks import OPEN3D_LIBRARIES
 
     for library in OPEN3D_LIBRARIES:
         stem = library.split(".so.")[0].lower()

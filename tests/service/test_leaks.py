@@ -16,7 +16,7 @@ from api_routes import list_pages, list_routes
 from api_work import make_key
 from garmentq.service.api.app import make_app
 from garmentq.service.api.limits import ApiLimits
-from garmentq.service.database import Database, DatabaseDamaged, DatabaseTooOld, open_database
+from garmentq.service.database import Database, DatabaseDamaged, DatabaseEmpty, DatabaseTooOld, open_database
 from garmentq.service.health import find_troubles, hide_worker_names, read_queue
 from garmentq.service.jobs import claim, find_job, reschedule
 from garmentq.service.outage import note_outage
@@ -131,7 +131,9 @@ def test_only_one_command_migrates(settings, database, database_url, cli):
         open_database(settings)
     if database_url:
         drop_tables(database_url)
-        open_database(settings).dispose()
+        with pytest.raises(DatabaseEmpty):
+            open_database(settings)
+        open_database(settings, is_upgraded=True).dispose()
 
 
 @pytest.mark.parametrize("database_kind", ["sqlite"], indirect=True)

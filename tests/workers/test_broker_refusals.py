@@ -65,9 +65,11 @@ def test_doctor_looks_for_this_machines_worker(settings, database, cli):
     assert cli("doctor").returncode == 0
     record_heartbeat(database, "elsewhere:1:ab", "cpu", 1, 30.0)
     found = cli("doctor", "--worker", "--json")
-    assert found.returncode == 1 and "see its log" in found.stdout.splitlines()[-1]
+    [told] = [row for row in map(json.loads, found.stdout.splitlines()) if row["check"] == "worker here"]
+    assert found.returncode == 1 and "see its log" in told["message"]
     name = f"{socket.gethostname()}:1:ab"
     record_heartbeat(database, name, "cpu", 1, 30.0)
-    assert json.loads(cli("doctor", "--worker", "--json").stdout.splitlines()[-1])["ok"]
+    rows = {row["check"]: row for row in map(json.loads, cli("doctor", "--worker", "--json").stdout.splitlines())}
+    assert rows["worker here"]["ok"] and rows["workers"]["message"].startswith("2 alive, 2 jobs at a time")
     remove_worker(database, name)
     assert cli("doctor", "--worker").returncode == 1

@@ -13,6 +13,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from garmentq.service.database import Database, read_revision
 from garmentq.service.settings import read_settings
 from garmentq.workers.broker import find_server, is_broker_up
 from garmentq_home import (
@@ -85,6 +86,7 @@ def test_following_the_section_gives_a_fleet(postgres, valkey, tmp_path):
     try:
         for name in ("host1", "host2"):
             workers.append(start_shell(exports + first, tmp_path / name, tmp_path))
+        wait_for(lambda: has_tables(database))
         done = start_shell(exports + second, tmp_path / "desk", tmp_path)
         out, _ = done.communicate(timeout=WAIT_SECONDS)
         assert done.returncode == 0, out
@@ -99,6 +101,16 @@ def test_following_the_section_gives_a_fleet(postgres, valkey, tmp_path):
         outputs = [worker.communicate(timeout=WAIT_SECONDS)[0] for worker in workers]
         drop_database(database)
     assert all("pssst" not in output for output in outputs), "a secret in a log"
+
+
+def has_tables(address):
+    """Return whether a host has made the tables, as only `db upgrade` does."""
+    opened = Database(address, pooled=False)
+    try:
+        with opened.read() as session:
+            return read_revision(session.connection()) is not None
+    finally:
+        opened.dispose()
 
 
 def start_shell(lines, home, folder):
