@@ -34,6 +34,7 @@ from garmentq.service.persons import delete_person
 from garmentq.service.query import count_states, find_jobs, find_roots, list_jobs, parse_conditions
 from garmentq.service.results import report_jobs
 from garmentq.service.store import Store
+from garmentq.service.store_size import sum_store_size
 from service_load import METRICS, fresh_settings
 from sqlalchemy import insert, text
 
@@ -142,6 +143,7 @@ def main() -> None:
         measure("page of families", lambda: find_roots(database, (), 50, key))
         measure("status", lambda: (count_states(database), list_jobs(database)))
         measure("metrics", lambda: prometheus_text(database))
+        measure("size of the store", lambda: sum_store_size(database))
         last = iter(range(given.jobs - 1, 0, -1))
         measure("a job deleted", lambda: delete_jobs(database, store, [f"{next(last):012x}"], key), 5)
         subject = iter(range(7, 100))

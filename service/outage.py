@@ -12,7 +12,7 @@ from sqlalchemy import delete, exists, select, update
 from sqlalchemy.exc import IntegrityError
 
 from ..core.run.errors import Unavailable
-from .database import Database, change_rows, clock, skip_damaged_rows
+from .database import Database, DatabaseUnreachable, change_rows, clock, skip_damaged_rows
 from .models import OutageRow
 from .queue_records import Outage
 from .store import StorageFull, StoreUnreachable
@@ -64,6 +64,11 @@ def end_outages(database: Database, place: str) -> None:
             return
     with database.write() as session:
         session.execute(delete(OutageRow).where(OutageRow.place == place))
+
+
+def list_outage_codes() -> list[str]:
+    """Return the codes of all outages of the store and the database that a job may meet."""
+    return [StorageFull.code, StoreUnreachable.code, DatabaseUnreachable.code]
 
 
 @skip_damaged_rows

@@ -16,11 +16,13 @@ from ..jobs import JobUnknown, find_job
 from ..keys import Caller
 from ..models import JobRow, OwnerRow
 from ..services import Services
+from ..store_size import StoreSize
 from .guard import CALLER
 from .limited_calls import LimitedCalls
 from .limits import ApiLimits
 from .meter import Meter
 from .problems import RequestBad
+from .request_times import RequestTimes
 from .threads import ThreadPools
 
 
@@ -34,6 +36,8 @@ class AppState(Services):
         meter: Counts the requests of each key.
         limited: Runs functions that call a limited process.
         lanes: Thread pools beside that of the routes.
+        times: Counts the requests of all callers.
+        store_size: Reports the size of the stored files.
     """
 
     limits: ApiLimits
@@ -41,6 +45,8 @@ class AppState(Services):
     meter: Meter
     limited: LimitedCalls
     lanes: ThreadPools
+    times: RequestTimes
+    store_size: StoreSize
 
 
 bearer = HTTPBearer(auto_error=False, description="A token from `garmentq keys create`.")

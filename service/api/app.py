@@ -17,6 +17,7 @@ from ..database import open_database
 from ..local_token import make_local_token
 from ..pages import routes as pages
 from ..settings import ServiceSettingBad, ServiceSettings
+from ..store_size import StoreSize
 from ..stores import open_store
 from . import (
     batches,
@@ -46,6 +47,7 @@ from .meter import Meter
 from .page import POLICY, draw_page
 from .problems import add_handlers
 from .proxies import ProxyHeaders, read_proxies
+from .request_times import RequestTimer, RequestTimes
 from .threads import ThreadPools
 
 DESCRIPTION = """From the 3D scan of a garment to a sewing pattern, a simulation mesh and a detailed mesh.
@@ -81,7 +83,9 @@ def make_app(
             store.prepare()
     token = make_local_token(settings.home) if is_open and not hosts else ""
     calls, lanes = LimitedCalls(limits, meter), ThreadPools()
-    app.state.rooms = AppState(settings, open_database(settings), store, limits, token, meter, calls, lanes)
+    database, times = open_database(settings), RequestTimes()
+    size = StoreSize(database, settings)
+    app.state.rooms = AppState(settings, database, store, limits, token, meter, calls, lanes, times, size)
     libraries = (match, patterns, templates, materials, keys, persons, webhooks)
     for module in (uploads, inspection, batches, jobs, labels, events, results, questions, *libraries):
         app.include_router(module.router, prefix="/v1", dependencies=[Depends(refuse_unknown), Depends(refuse_text)])
@@ -100,6 +104,7 @@ def make_app(
             allow_headers=["authorization", "content-type", "idempotency-key", "x-content-sha256", "last-event-id"],
             expose_headers=["etag", "location", "retry-after", "x-request-id"],
         )
+    app.add_middleware(RequestTimer, times=times)
     app.openapi = lambda: describe(app)  # type: ignore[method-assign]
     return app
 

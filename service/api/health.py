@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import logging
 from collections.abc import Callable
 from typing import Any
@@ -13,6 +12,7 @@ from fastapi.responses import JSONResponse, PlainTextResponse, Response
 from ... import __version__
 from ...core.run.errors import GarmentqError
 from ..health import find_troubles, hide_worker_names, read_queue
+from ..metrics import prometheus_text
 from ..shown_errors import show_message
 from .access import AppState, AppStateDependency, Watcher
 from .answers import Health, Readiness
@@ -21,9 +21,6 @@ from .problems import API_REFUSAL_STATUSES, COMMON_REFUSAL_STATUSES, make_proble
 log = logging.getLogger(__name__)
 
 router = APIRouter(tags=["health"])
-
-METRICS = "garmentq.service.metrics"
-"""Module with the function `prometheus_text(database)`."""
 
 READY: dict[str, Any] = {
     "model": Readiness, "description": "Answer.",
@@ -83,9 +80,6 @@ def _look(rooms: AppState) -> Response:
     },
 )  # fmt: skip
 def show_metrics(rooms: AppStateDependency, caller: Watcher) -> Response:
-    """Return metrics of all keys' jobs; requires the scope `metrics`."""
-    try:
-        text = importlib.import_module(METRICS).prometheus_text(rooms.database)
-    except ModuleNotFoundError:
-        return make_problem(404, "service.no_metrics", "this version has no metrics.")
-    return PlainTextResponse(text, media_type="text/plain; version=0.0.4")
+    """Return metrics of all keys' jobs, of this process's answers and of the store; requires the scope `metrics`."""
+    parts = [prometheus_text(rooms.database), rooms.times.format_metrics(), rooms.store_size.format_metrics()]
+    return PlainTextResponse("".join(parts), media_type="text/plain; version=0.0.4")
