@@ -29,6 +29,7 @@ COMMANDS = {
     "logs": "Show the events of a job.",
     "result": "Show a job's result.",
     "export": "Copy a job's files into a folder, or write its garment in another format.",
+    "share": "Make a link that shows one result to whoever has it.",
     "sizes": "Grade a result's pattern to other sizes.",
     "query": "Search completed jobs by their results.",
     "measure": "Measure a body, a pattern, or a job's garment and wearer.",

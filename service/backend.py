@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from ..core.run.errors import BadInput
 from .settings import ServiceSettings
+from .share_records import DEFAULT_SHARE_DAYS
 from .states import State
 
 if TYPE_CHECKING:
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from .query import JobQuery
     from .queue_records import Queue
     from .records import Artifact, Job, JobReport, Key, News
+    from .share_records import Share
     from .submission import SubmissionResult
     from .versions import Version
     from .webhook_records import Receipt, Webhook
@@ -197,6 +199,23 @@ class Backend(Protocol):
 
         Raises:
             KeyUnknown: if there is none of that id.
+        """
+
+    def create_share(self, job: str, days: int = DEFAULT_SHARE_DAYS) -> tuple[Share, str]:
+        """Make a link to a job's result, and return it with its path, which holds the token and is returned only here.
+
+        Raises:
+            ShareDaysBad, ResultUnshared, SharesFull: if it cannot be made.
+        """
+
+    def list_shares(self, job: str) -> list[Share]:
+        """Return the valid links to a job's result, oldest first."""
+
+    def revoke_share(self, job: str, share: str) -> None:
+        """Revoke a link to a job's result.
+
+        Raises:
+            ShareUnknown: if there is none of that id.
         """
 
     def create_webhook(self, url: str, states: Sequence[State] = ()) -> tuple[Webhook, str]:

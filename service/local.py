@@ -20,6 +20,7 @@ from . import (
     query,
     refining,
     results,
+    shares,
     submission,
     templates,
     webhooks,
@@ -31,6 +32,7 @@ from .queue_records import Queue
 from .records import Artifact, Event, Job, JobReport, Key, News
 from .services import Services, open_services
 from .settings import ServiceSettings
+from .share_records import DEFAULT_SHARE_DAYS, SHARE_PATH, Share
 from .states import State
 from .versions import Version, list_versions
 from .webhook_records import Receipt, Webhook
@@ -180,6 +182,19 @@ class LocalBackend:
     def revoke_key(self, key: str) -> Key:
         """Revoke an API key; its jobs stay."""
         return Key.from_row(keys.revoke_key(self._database, key))
+
+    def create_share(self, job: str, days: int = DEFAULT_SHARE_DAYS) -> tuple[Share, str]:
+        """Make a link to a job's result, and return it with its path."""
+        share, token = shares.create_share(self._database, jobs.find_job(self._database, job).id, days)
+        return share, f"{SHARE_PATH}{token}"
+
+    def list_shares(self, job: str) -> list[Share]:
+        """Return the valid links to a job's result, oldest first."""
+        return shares.list_shares(self._database, jobs.find_job(self._database, job).id)
+
+    def revoke_share(self, job: str, share: str) -> None:
+        """Revoke a link to a job's result."""
+        shares.revoke_share(self._database, jobs.find_job(self._database, job).id, share)
 
     def create_webhook(self, url: str, states: Sequence[State] = ()) -> tuple[Webhook, str]:
         """Create a webhook and return it with its secret, which is returned only here."""

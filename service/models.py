@@ -9,6 +9,7 @@ from sqlalchemy.orm import Mapped, mapped_column
 
 from .columns import SERIAL, Whole, Words
 from .model_base import Base
+from .share_models import ShareRow as ShareRow
 from .states import State
 from .webhook_models import DeliveryRow as DeliveryRow
 from .webhook_models import WebhookRow as WebhookRow

@@ -11,6 +11,7 @@ from .catalogue import ImportedTemplate, Template, read_fabric, show_fabric
 from .connection import Connection, ServiceUnreachable
 from .materials import refuse_shipped
 from .records import Json, Key
+from .share_records import DEFAULT_SHARE_DAYS, Share
 from .states import State
 from .webhook_records import Receipt, Webhook
 
@@ -88,6 +89,19 @@ class RemoteLibraries:
         """Revoke an API key; its jobs stay."""
         found = self._ask("DELETE", f"/v1/keys/{quote(key, safe='')}")
         return read(lambda: Key.from_json(found))
+
+    def create_share(self, job: str, days: int = DEFAULT_SHARE_DAYS) -> tuple[Share, str]:
+        """Make a link to a job's result, and return it with its path."""
+        found = self._ask("POST", f"/v1/jobs/{quote(job, safe='')}/shares", json={"days": days})
+        return read(lambda: (Share.from_json(found), str(found["path"])))
+
+    def list_shares(self, job: str) -> list[Share]:
+        """Return the valid links to a job's result, oldest first."""
+        return read_all(Share.from_json, self._ask("GET", f"/v1/jobs/{quote(job, safe='')}/shares"), "shares")
+
+    def revoke_share(self, job: str, share: str) -> None:
+        """Revoke a link to a job's result."""
+        self._ask("DELETE", f"/v1/jobs/{quote(job, safe='')}/shares/{quote(share, safe='')}")
 
     def create_webhook(self, url: str, states: Sequence[State] = ()) -> tuple[Webhook, str]:
         """Create a webhook and return it with its secret, which is returned only here."""

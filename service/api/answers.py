@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, create_model
 from .. import records
 from ..catalogue import Template
 from ..records import Artifact, get_json_name
+from ..share_records import Share as ShareRecord
 from ..states import State
 from ..versions import Version
 from ..webhook_records import Webhook as WebhookRecord
@@ -210,6 +211,21 @@ class Keys(Answer):
     """List API keys."""
 
     keys: list[Key]
+
+
+Share: Any = _make_model(ShareRecord)
+
+
+class NewShare(Share):
+    """Describe a new link to a result; `path` with its token is returned only here."""
+
+    path: str
+
+
+class Shares(Answer):
+    """List links to a result."""
+
+    shares: list[Share]
 
 
 Webhook: Any = _make_model(WebhookRecord)

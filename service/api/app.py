@@ -34,6 +34,7 @@ from . import (
     persons,
     questions,
     results,
+    shares,
     templates,
     uploads,
     webhooks,
@@ -86,7 +87,7 @@ def make_app(
     database, times = open_database(settings), RequestTimes()
     size = StoreSize(database, settings)
     app.state.rooms = AppState(settings, database, store, limits, token, meter, calls, lanes, times, size)
-    libraries = (match, patterns, templates, materials, keys, persons, webhooks)
+    libraries = (match, patterns, templates, materials, keys, persons, webhooks, shares)
     for module in (uploads, inspection, batches, jobs, labels, events, results, questions, *libraries):
         app.include_router(module.router, prefix="/v1", dependencies=[Depends(refuse_unknown), Depends(refuse_text)])
     app.include_router(health.router)

@@ -13,6 +13,7 @@ from ...core.people.part import GARMENTS
 from ...core.recover.settings import LATER, METHODS, PRESETS, QUALITIES, REDRAPES, RecoverySettings, complete_by_quality
 from ...core.run.units import UNITS
 from ..order import GIVEN_AS
+from ..share_records import DEFAULT_SHARE_DAYS, SHARE_DAYS
 from ..states import QUEUES
 
 Text = Annotated[str, StringConstraints(max_length=255, pattern=r"^[^\x00-\x1f\x7f]*$")]
@@ -271,6 +272,13 @@ class FabricIn(BaseModel):
     H22: Number
     k: Number
     sources: dict[Text, Annotated[str, StringConstraints(max_length=1100)]] = Field(max_length=8)
+
+
+class ShareIn(BaseModel):
+    """Describe a link to a result."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_extra={"example": {"days": 7}})
+    days: Literal[SHARE_DAYS] = Field(DEFAULT_SHARE_DAYS, description="How long it is valid.")  # type: ignore[valid-type]
 
 
 class WebhookIn(BaseModel):

@@ -11,8 +11,13 @@ CENTIMETRES_PER_MM = 0.1
 """Centimetres in a millimetre [cm/mm]: metrics are in millimetres, tailors read centimetres."""
 
 
-def draw_measures(job: JobReport) -> Html:
-    """Return the card with the measures of a result; empty if it has none."""
+def draw_measures(job: JobReport, is_shared: bool = False) -> Html:
+    """Return the card with the measures of a result; empty if it has none.
+
+    Args:
+        job: The job.
+        is_shared: Leave out those of the wearer, which are personal data, and what only who works with it can do.
+    """
     from ...core.body.measure_names import HOW_MEASURED
     from ...core.garment.pieces.finished_points import HOW_TAKEN
 
@@ -20,6 +25,8 @@ def draw_measures(job: JobReport) -> Html:
         _table("Finished garment", job, "finished.", {str(point): how for point, how in HOW_TAKEN.items()}),
         _table("Wearer", job, "wearer.", HOW_MEASURED),
     ]
+    if is_shared:
+        return html('<section class="card"><h2>Measures</h2>{}</section>', tables[0]) if tables[0] else Html()
     if not any(tables):
         return Html()
     return html(

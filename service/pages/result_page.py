@@ -15,6 +15,7 @@ from ..models import JobInputRow, JobRow, OwnerRow
 from ..records import Artifact, JobReport
 from ..refining import is_preview
 from ..results import ResultMissing, list_files, report_jobs
+from ..share_records import DEFAULT_SHARE_DAYS, SHARE_DAYS
 from ..states import State
 from .fabric_words import draw_fabric
 from .markup import Html, html, join
@@ -60,6 +61,7 @@ def show_result(job: str, rooms: AppStateDependency, visitor: VisitorOf) -> Resp
             _draw_known(rooms, report),
             draw_measures(report),
             _draw_files(rooms, report, files, visitor),
+            _draw_shares(report, visitor),
         ]
     )
     data = f"/results/{report.id}/view.bin" if _has_view(names) else ""
@@ -82,6 +84,17 @@ def _draw_head(job: JobReport, names: set[str], visitor: Visitor) -> Html:
     what = ", ".join(one for one in (job.garment, job.template, job.fabric) if one)
     head = '<div class="head"><h1>{}</h1><p class="row">{}{}<span class="soft">{}</span></p><p class="row">{}</p></div>'
     return html(head, job.name, draw_verdict(job.verdict), draw_redrape(job), what, join(links, " "))
+
+
+def _draw_shares(job: JobReport, visitor: Visitor) -> Html:
+    """Return the card that makes and revokes links to a result; empty if the visitor may not."""
+    if not visitor.may_submit or job.state != State.SUCCEEDED:
+        return Html()
+    days = join(
+        html('<option value="{}"{}>{}</option>', one, Html(" selected" if one == DEFAULT_SHARE_DAYS else ""),
+             f"{one} day{'s' if one > 1 else ''}") for one in SHARE_DAYS
+    )  # fmt: skip
+    return html(SHARES, days=days)
 
 
 def _has_view(names: set[str]) -> bool:
@@ -224,6 +237,12 @@ VIEWS = """<div id="result" data-job="{job}" data-person="{person}" data-files="
 <div id="measured" role="status"></div></section></div>
 <div id="problem"></div>
 <section class="card" id="pictures"{hidden}><h2>Pictures</h2><div class="pictures">{pictures}</div></section></div>"""
+
+SHARES = """<details class="card" id="shares"><summary>Share</summary>
+<p>A link shows the garment, its pattern, its measures and its PDF to whoever has it, but neither the body nor other
+jobs. It needs no key, and can be revoked.</p>
+<form class="row"><label>Valid for <select>{days}</select></label><button type="submit">Make a link</button></form>
+<p role="status"></p><div class="problem"></div><ul></ul></details>"""
 
 FILES = """<section class="card">{exports}<details><summary>Files</summary><div class="wide"><table><thead><tr>
 <th scope="col">File</th><th scope="col" class="number">Bytes</th></tr></thead><tbody>{rows}</tbody></table></div>

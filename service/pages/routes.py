@@ -4,8 +4,30 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from . import edit_page, files_page, job_page, jobs_page, labels_page, match_page, result_page, session, static_files
+from . import (
+    edit_page,
+    files_page,
+    job_page,
+    jobs_page,
+    labels_page,
+    match_page,
+    result_page,
+    session,
+    shared_page,
+    static_files,
+)
 
 router = APIRouter(include_in_schema=False)
-for module in (session, static_files, files_page, jobs_page, job_page, result_page, match_page, edit_page, labels_page):
+for module in (
+    session,
+    static_files,
+    files_page,
+    jobs_page,
+    job_page,
+    result_page,
+    match_page,
+    edit_page,
+    labels_page,
+    shared_page,
+):
     router.include_router(module.router)

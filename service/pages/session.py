@@ -76,7 +76,7 @@ def show_signin(request: Request, rooms: AppStateDependency, link: str = "", nex
     try:
         if not rooms.local_token:
             raise LinkUsed()
-        rooms.meter.check_address(_address(request), link)
+        rooms.meter.check_address(address_of(request), link)
         take_link(rooms.database, link)
         return _begin(request, rooms, LOCAL_CALLER, next)
     except GarmentqError as error:
@@ -110,7 +110,7 @@ async def sign_out(request: Request, rooms: AppStateDependency) -> Response:
 def _sign_in(request: Request, rooms: AppState, token: str, target: str) -> Response:
     try:
         _refuse_foreign(request)
-        rooms.meter.check_address(_address(request), token or None)
+        rooms.meter.check_address(address_of(request), token or None)
         caller = authenticate_token(rooms.database, token or None, rooms.local_token)
         rooms.meter.take(caller.key)
     except GarmentqError as error:
@@ -128,7 +128,7 @@ def _refuse_foreign(request: Request) -> None:
 
 def _note(request: Request, rooms: AppState, error: GarmentqError) -> None:
     if error.code in (KeyBad.code, LinkUsed.code):
-        rooms.meter.note_wrong(_address(request))
+        rooms.meter.note_wrong(address_of(request))
 
 
 def _begin(request: Request, rooms: AppState, caller: Caller, target: str) -> Response:
@@ -144,7 +144,8 @@ def _flags(request: Request) -> dict[str, Any]:
     return {"path": "/", "httponly": True, "samesite": "strict", "secure": request.url.scheme == "https"}
 
 
-def _address(request: Request) -> str:
+def address_of(request: Request) -> str:
+    """Return the address of a request's client; empty if it is unknown."""
     return request.client.host if request.client else ""
 
 

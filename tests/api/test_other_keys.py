@@ -25,6 +25,7 @@ NOBODY = {
     "job": "0123456789ab",
     "sha256": "ab" * 32,
     "webhook": "0123456789ab",
+    "share": "0123456789ab",
     "name": "Nemo",
     "key": "0123456789ab",
 }
@@ -58,7 +59,9 @@ def theirs(client, settings, database, store, tmp_path):
         wanted = JobRequest("person", request, row.scan, terms=terms)
         person = add_job(session, wanted).job
     hook = client.post("/v1/webhooks", json={"url": "https://studio.example/"}, headers=header).json()["webhook"]
+    share = client.post(f"/v1/jobs/{done}/shares", json={}, headers=header).json()["share"]
     return {
+        "share": share,
         "jobs": [done, waits, person],
         "sha256": upload(client, 0.7, headers=header),
         "webhook": hook,
@@ -98,7 +101,7 @@ def test_no_route_tells_another_keys_id_from_nobodys(client, settings, theirs, o
             for known in theirs["jobs"] if field == "job" else [theirs[field]]:
                 told = []
                 for one in (known, NOBODY[field]):
-                    values = {name: NOBODY[name] for name in ("job", "sha256", "webhook", "name", "key")}
+                    values = {name: NOBODY[name] for name in NOBODY}
                     query = {"first": "skirt", "second": "skirt"} if path == "/v1/match" else {}
                     (values if parameter["in"] == "path" else query)[parameter["name"]] = one
                     body = BODIES.get(f"{method} {path}")

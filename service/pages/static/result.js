@@ -5,6 +5,7 @@ import { readFrames } from './frames.js';
 import { computeStrain, flatten, lift, locate, measureEdge, spreadToNodes } from './garment.js';
 import { PatternView } from './pattern_view.js';
 import { offerRefinement } from './refine.js';
+import { offerShares } from './share.js';
 import { readShown } from './shown.js';
 import { Viewer, colourOf, linearOf, paint } from './viewer.js';
 
@@ -320,6 +321,7 @@ async function start() {
 }
 
 offerRefinement(job);
+offerShares(job);
 start().catch((error) => {
   find('#loading').textContent = '';
   showError(find('#problem'), error);
