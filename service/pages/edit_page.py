@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Mapping
+from typing import Any
+
 from fastapi import Response
 
 from ..api.access import AppStateDependency, find_own
 from ..templates import read_template
 from .markup import Html, html, join
 from .page_route import make_router
+from .pattern_names import describe_names
 from .session import VisitorOf
 from .shell import Visitor, draw_shell
+from .stored_files import find_file, read_bytes
 
 router = make_router()
 
@@ -35,6 +41,12 @@ NUMBERS = (
 )
 """Options that are numbers: name, title, minimum, step."""
 
+DIRECTIONS = (
+    ("down", "down, along the grain"), ("up", "up, along the grain"), ("out", "outward, square to the edge"),
+    ("in", "inward, square to the edge"), ("along", "along the edge"),
+)  # fmt: skip
+"""Directions of a typed distance: name and title."""
+
 DEFAULT_CHECKS = ("symmetric", "sewn", "align", "handles")
 """Options that are on when the page opens."""
 
@@ -43,20 +55,21 @@ DEFAULT_CHECKS = ("symmetric", "sewn", "align", "handles")
 def edit_result(job: str, rooms: AppStateDependency, visitor: VisitorOf) -> Response:
     """Return the editor with the pattern of a result."""
     row = find_own(rooms, visitor.caller, job)
-    return _draw_editor(row.name, visitor, job=row.id)
+    file = find_file(rooms, row.id, "pattern.json")
+    names = describe_names(read_bytes(rooms, file)) if file is not None else {}
+    return _draw_editor(row.name, visitor, names, job=row.id)
 
 
 @router.get("/templates/{name}/edit")
 def edit_template(name: str, rooms: AppStateDependency, visitor: VisitorOf) -> Response:
     """Return the editor with a template, which has no drape."""
-    read_template(rooms, name)
-    return _draw_editor(name, visitor, template=name)
+    return _draw_editor(name, visitor, describe_names(read_template(rooms, name)), template=name)
 
 
-def _draw_editor(name: str, visitor: Visitor, job: str = "", template: str = "") -> Response:
+def _draw_editor(name: str, visitor: Visitor, names: Mapping[str, Any], job: str = "", template: str = "") -> Response:
     back = html('<a href="/results/{}">Result</a>', job) if job else Html()
     content = html(
-        EDITOR, name=name, job=job, base=template, back=back,
+        EDITOR, name=name, job=job, base=template, back=back, names=json.dumps(names),
         tools=join(
             html('<button type="button" data-tool="{}" aria-pressed="{}">{}</button>', tool, pressed, words)
             for pressed, (tool, words) in zip(("true", "false", "false", "false"), TOOLS, strict=True)
@@ -71,16 +84,29 @@ def _draw_editor(name: str, visitor: Visitor, job: str = "", template: str = "")
                  words, option, value, step)
             for option, words, value, step in NUMBERS
         ),
-        drape=html(DRAPE) if job else Html(), compared="recovered pattern" if job else "template",
+        directions=join(html('<option value="{}">{}</option>', *one) for one in DIRECTIONS),
+        drape=html(DRAPE) if job else Html(), start=html(START) if job else Html(),
+        compared="recovered pattern" if job else "template",
     )  # fmt: skip
     return draw_shell(f"Edit {name}", content, visitor, ["edit/editor.js"])
 
 
 EDITOR = """<link rel="stylesheet" href="/static/edit/edit.css">
-<div class="row"><h1>Edit {name}</h1>{back}</div>
-<div id="editor" data-job="{job}" data-template="{base}">
-<div class="toolbar" id="commands"></div>
-<div class="toolbar" role="group" aria-label="Tool">{tools}</div>
+<div id="editor" data-job="{job}" data-template="{base}" data-names="{names}">
+<div class="row head"><h1>Edit {name}</h1>{back}{start}</div>
+<div class="toolbar" id="commands"><div class="group" role="group" aria-label="Tool">{tools}</div></div>
+<form class="toolbar" id="distance" aria-label="Distance">
+<label>Line <select id="line"></select></label>
+<label>Distance <input id="amount" size="8" value="10 mm" autocomplete="off"
+ title="a number with mm, cm or inch; without a unit: mm"></label>
+<label>Direction <select id="direction">{directions}</select></label>
+<button type="submit">Move</button>
+<button type="button" data-sized="spread" title="cut from the first selected point to the second and open the cut by the
+ distance, or by an angle as in 5°; the second point is the hinge">Slash and spread</button>
+<label>Dart's length <input id="depth" size="8" value="100 mm" autocomplete="off"></label>
+<button type="button" data-sized="dart" title="add a dart in the middle of the selected edge; the distance is its
+ width">Add dart</button>
+</form>
 <p id="said" role="status" aria-live="polite">Loading the pattern.</p>
 <p id="board-help" class="hushed">
 Arrow keys move the selection, or the view if nothing is selected. N and P select the next and
@@ -118,9 +144,12 @@ the previous control point. The list of shortcuts has the others.</p>
 """The page; its script fills in buttons, tables and drawings."""
 
 DRAPE = """<section class="card" aria-labelledby="drape-title"><h2 id="drape-title">Drape</h2>
-<div class="row"><label class="row">Version's name <input id="version-name" maxlength="80" autocomplete="off"></label>
-<button type="button" id="drape" class="primary">Drape and save the version</button>
-<button type="button" id="cancel-drape" hidden>Cancel</button></div>
-<div id="draping" role="status"></div><div id="findings"></div><div id="verdicts"></div>
+<div id="findings"></div><div id="verdicts"></div>
 <h3>Versions</h3><ul id="versions"><li>None yet.</li></ul></section>"""
 """Section for a result's pattern, not for a template: the drape and the versions."""
+
+START = """<div class="row start"><label>Version's name <input id="version-name" maxlength="80"
+ autocomplete="off"></label>
+<button type="button" id="drape" class="primary">Drape and save the version</button>
+<button type="button" id="cancel-drape" hidden>Cancel</button><div id="draping" role="status"></div></div>"""
+"""What starts a drape, in view above the board."""

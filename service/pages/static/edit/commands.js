@@ -5,6 +5,7 @@
  */
 
 import { straighten, toCorner, toCurve } from './curve_operations.js';
+import { pivotSelected, removeSelectedDart } from './distances.js';
 import { getPanel, PatternError } from './pattern_model.js';
 import { addPoint, removePoint } from './point_operations.js';
 import { cutBetween, joinAlong } from './panel_operations.js';
@@ -98,6 +99,22 @@ export const COMMANDS = [
     keys: ['j'],
     group: 'Panels',
     run: joinSelected,
+  },
+  {
+    name: 'pivot',
+    label: 'Pivot dart',
+    help: "turn the dart of the selected apex to the other selected point",
+    keys: ['v'],
+    group: 'Panels',
+    run: pivotSelected,
+  },
+  {
+    name: 'undart',
+    label: 'Remove dart',
+    help: 'close the dart of the selected apex or leg at the middle of its mouth',
+    keys: ['b'],
+    group: 'Panels',
+    run: removeSelectedDart,
   },
   {
     name: 'left',

@@ -4,6 +4,7 @@ import { draw } from '../dom.js';
 import { between, isStraight, pathCommand, placeOnChord, unitPoint } from './edge_geometry.js';
 import { chordOf, getPanel, handlePoints } from './pattern_model.js';
 import { possiblePoints } from './point_operations.js';
+import { pointWords } from './names.js';
 import { path, showParts } from './parts.js';
 import { kindOf } from './session.js';
 import { findMirrors, imagePoints } from './symmetry.js';
@@ -40,8 +41,8 @@ export class Drawing {
     }
     for (const panel of pattern.panels) {
       const selected = session.selection.filter((item) => item.panel === panel.name);
-      const look = JSON.stringify([selected, shared.get(panel.name), session.options]);
       const place = session.placeOf(panel.name);
+      const look = JSON.stringify([selected, shared.get(panel.name), session.options, place.turn]);
       let group = this.groups.get(panel.name);
       if (!group) {
         group = { element: draw('g', { class: 'panel', 'data-panel': panel.name }), parts: [] };
@@ -103,7 +104,7 @@ export class Drawing {
     }
     panel.edges.forEach((edge, at) => parts.push(this.drawEdge(panel, at, selected, look)));
     panel.notches.forEach(([edge, at]) => parts.push(drawNotch(panel, edge, at)));
-    parts.push(nameOf(panel));
+    parts.push(nameOf(panel, session.placeOf(panel.name).turn));
     if (options.possible) parts.push(...this.drawPossible({ ...pattern, panels: [panel] }));
     if (options.handles) parts.push(...this.drawHandles(panel, selected));
     panel.points.forEach((point, at) => {
@@ -189,13 +190,13 @@ function unitNotch(edge, at) {
   return notches.get(edge).points;
 }
 
-/** Write a panel's name in its middle, a word on each line, so that neighbours' names do not overlap. */
-function nameOf(panel) {
+/** Write a panel's name in its middle, upright, a word on each line, so that neighbours' names do not overlap. */
+function nameOf(panel, turn) {
   const middle = [0, 1].map((k) => panel.points.reduce((sum, point) => sum + point[k], 0) / panel.points.length);
   const [x, y] = mm(middle).map((value) => value.toFixed(1));
   const words = panel.name.split('_');
   const parts = words.map((text, line) => ({ tag: 'tspan', attributes: { x, dy: line ? '1.15em' : 0 }, text }));
-  return { tag: 'text', attributes: { class: 'name', x, y }, parts };
+  return { tag: 'text', attributes: { class: 'name', x, y, transform: `rotate(${((turn * 180) / Math.PI).toFixed(3)} ${x} ${y})` }, parts };
 }
 
 /** Draw the axis on which a panel is its own mirror image. */
@@ -214,5 +215,5 @@ function axisOf(pattern, panel) {
 
 /** Return the images of a selected point, as text. */
 export function describeImages(pattern, point) {
-  return imagePoints(pattern, findMirrors(pattern), point).map((image) => `${image.panel} ${image.point + 1}`);
+  return imagePoints(pattern, findMirrors(pattern), point).map((image) => pointWords(pattern, image));
 }

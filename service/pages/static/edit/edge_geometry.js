@@ -149,14 +149,18 @@ function computeLength(edge) {
  */
 export function splitEdge(edge, fraction) {
   const part = (kind, handles) => ({ ...edge, kind, handles });
-  if (isStraight(edge)) return { cut: [fraction, 0], first: part('line', []), second: part('line', []) };
+  const rest = (kind, handles) => {
+    const { title } = edge; // the name of the point at the start stays with the first part
+    return { ...part(kind, handles), ...(title ? { title: { ...title, corner: '' } } : {}) };
+  };
+  if (isStraight(edge)) return { cut: [fraction, 0], first: part('line', []), second: rest('line', []) };
   if (edge.kind === 'arc') {
     const { sweep } = unitCircle(edge);
     const height = (share) => [[0.5, -0.5 * Math.tan((sweep * share) / 4)]];
     return {
       cut: unitPoint(edge, fraction),
       first: part('arc', height(fraction)),
-      second: part('arc', height(1 - fraction)),
+      second: rest('arc', height(1 - fraction)),
     };
   }
   const { left, right } = cutBezier(controlPolygon(edge), parameterAt(controlPolygon(edge), fraction));
@@ -164,7 +168,7 @@ export function splitEdge(edge, fraction) {
   return {
     cut,
     first: part(edge.kind, relativeToChord(left.slice(1, -1), [0, 0], cut)),
-    second: part(edge.kind, relativeToChord(right.slice(1, -1), cut, [1, 0])),
+    second: rest(edge.kind, relativeToChord(right.slice(1, -1), cut, [1, 0])),
   };
 }
 

@@ -4,9 +4,11 @@ import { getText, putJson } from '../api.js';
 import { find, make, showError } from '../dom.js';
 import { Camera } from './camera.js';
 import { COMMANDS, commandOf, nudge } from './commands.js';
+import { joinDistances } from './distances.js';
 import { Draping } from './draping.js';
 import { Drawing } from './drawing.js';
 import { toBoard } from './layout.js';
+import { withNames } from './names.js';
 import { panelOutline, patternFile, readPattern, writePattern } from './pattern_model.js';
 import { Pointer } from './pointer.js';
 import { Session } from './session.js';
@@ -154,7 +156,8 @@ function joinFile(session, name) {
 async function open() {
   const { job, template } = find('#editor').dataset;
   const text = await getText(job ? `/v1/jobs/${job}/artifacts/pattern.json` : `/v1/templates/${template}`);
-  const session = new Session(readPattern(text));
+  const { panels, pieces } = JSON.parse(find('#editor').dataset.names);
+  const session = new Session(withNames(readPattern(text), panels), pieces);
   const svg = find('#board'),
     camera = new Camera(svg),
     drawing = new Drawing(svg, session);
@@ -163,9 +166,15 @@ async function open() {
   joinFile(session, template || job);
   const render = joinViews(session, svg, camera, drawing);
   new Pointer(svg, session, camera, drawing);
+  joinDistances(session);
+  const aspect = () => camera.size.width / camera.size.height;
+  session.arrange(aspect());
   render();
   camera.fit(boxOf(session));
-  new ResizeObserver(() => camera.fit(boxOf(session))).observe(svg);
+  new ResizeObserver(() => {
+    if (session.at === 0 && Math.abs(session.aspect / aspect() - 1) > 0.1) session.arrange(aspect());
+    camera.fit(boxOf(session));
+  }).observe(svg);
   find('#editor').session = session;
   session.say('Ready.');
   if (job) await new Draping(session, new Space(find('#draped'), session, drawing), job).begin();

@@ -11,30 +11,87 @@ import { panelOutline } from './pattern_model.js';
 /** Free space between panels [m]. */
 const GAP = 0.04;
 
-/** Return a place for each panel: on shelves, tallest first, about as wide as high. */
-export function layOut(pattern) {
-  const boxes = pattern.panels.map((panel) => {
-    const outline = panelOutline(panel);
-    const [low, high] = [Math.min, Math.max].map((pick) =>
-      [0, 1].map((k) => pick(...outline.map((point) => point[k]))),
-    );
-    return { name: panel.name, low, width: high[0] - low[0] + GAP, height: high[1] - low[1] + GAP };
-  });
-  const room = Math.max(
-    ...boxes.map((box) => box.width),
-    1.5 * Math.sqrt(boxes.reduce((sum, box) => sum + box.width * box.height, 0)),
-  );
-  const places = {};
-  let x = 0,
-    y = 0,
-    shelf = 0;
-  for (const box of [...boxes].sort((a, b) => b.height - a.height)) {
-    if (x > 0 && x + box.width > room) [x, y, shelf] = [0, y - shelf, 0];
-    shelf = Math.max(shelf, box.height);
-    places[box.name] = { x: x - box.low[0], y: y - box.height + GAP - box.low[1], turn: 0 };
-    x += box.width;
+/** How many widths of the board are tried. */
+const WIDTHS = 24;
+
+/**
+ * Return a place for each panel, so that the board of this aspect (width over height) shows them as large as it can.
+ *
+ * @param {import("./pattern_model.js").Pattern} pattern
+ * @param {number} aspect
+ * @param {{panel: string, x: number, y: number, turn: number}[][]} pieces   panels that are cut as one, placed in it
+ */
+export function layOut(pattern, aspect = 1.5, pieces = []) {
+  const boxes = unitsOf(pattern, pieces);
+  const least = Math.max(...boxes.map((box) => box.width)),
+    most = boxes.reduce((sum, box) => sum + box.width, 0);
+  let best = null;
+  for (let k = 0; k <= WIDTHS; k += 1) {
+    const tried = pack(boxes, least + ((most - least) * k) / WIDTHS);
+    const size = Math.max(tried.width, tried.height * aspect);
+    if (best === null || size < best.size - 1e-9) best = { size, ...tried };
   }
+  const places = {};
+  for (const { box, x, y } of best.spots)
+    for (const { panel, place } of box.members)
+      places[panel] = { x: place.x + x - box.low[0], y: place.y - y - box.high[1], turn: place.turn };
   return places;
+}
+
+/** Return what is laid as one: each piece that is cut from several panels, each other panel; with its box [m]. */
+function unitsOf(pattern, pieces) {
+  const names = new Set(pattern.panels.map(({ name }) => name));
+  const whole = pieces.filter((piece) => piece.every(({ panel }) => names.has(panel)));
+  const joined = new Set(whole.flatMap((piece) => piece.map(({ panel }) => panel)));
+  const alone = pattern.panels.filter(({ name }) => !joined.has(name)).map(({ name }) => [{ panel: name, x: 0, y: 0, turn: 0 }]);
+  return [...whole, ...alone].map((piece) => {
+    const members = piece.map(({ panel, ...place }) => ({ panel, place }));
+    const { low, high } = boxOf(pattern, members);
+    return { members, low, high, width: high[0] - low[0] + GAP, height: high[1] - low[1] + GAP };
+  });
+}
+
+function boxOf(pattern, members) {
+  const all = members.flatMap(({ panel, place }) =>
+    panelOutline(pattern.panels.find(({ name }) => name === panel)).map((point) => toBoard(place, point)),
+  );
+  const [low, high] = [Math.min, Math.max].map((pick) => [0, 1].map((k) => pick(...all.map((point) => point[k])) / 1e3));
+  return { low: [low[0], -high[1]], high: [high[0], -low[1]] };
+}
+
+/** Put boxes, tallest first, where the next lies highest and then leftmost; y down [m]. */
+function pack(boxes, room) {
+  const spots = [];
+  let width = 0,
+    height = 0;
+  for (const box of [...boxes].sort((a, b) => b.height - a.height || b.width - a.width)) {
+    const lefts = [0, ...spots.map((spot) => spot.x + spot.box.width)].filter((x) => x + box.width <= room + 1e-9);
+    let found = null;
+    for (const x of lefts) {
+      const under = spots.filter((spot) => spot.x < x + box.width - 1e-9 && spot.x + spot.box.width > x + 1e-9);
+      const tops = [0, ...under.map((spot) => spot.y + spot.box.height)].sort((a, b) => a - b);
+      const y = tops.find((top) => under.every((spot) => spot.y >= top + box.height - 1e-9 || spot.y + spot.box.height <= top + 1e-9));
+      if (found === null || y < found.y - 1e-9 || (y < found.y + 1e-9 && x < found.x)) found = { box, x, y };
+    }
+    spots.push(found);
+    width = Math.max(width, found.x + box.width);
+    height = Math.max(height, found.y + box.height);
+  }
+  return { spots, width, height };
+}
+
+/** Return whether two panels that are not parts of one piece overlap on the board, by their boxes. */
+export function overlaps(pattern, placeOf, pieces = []) {
+  const boxes = pattern.panels.map(({ name }) => ({
+    piece: pieces.findIndex((piece) => piece.some(({ panel }) => panel === name)),
+    ...boxOf(pattern, [{ panel: name, place: placeOf(name) }]),
+  }));
+  return boxes.some((a, k) =>
+    boxes.slice(k + 1).some((b) => {
+      if (a.piece >= 0 && a.piece === b.piece) return false;
+      return [0, 1].every((axis) => a.low[axis] < b.high[axis] - 1e-4 && b.low[axis] < a.high[axis] - 1e-4);
+    }),
+  );
 }
 
 /** Return where a panel's point [m] lies on the board [mm]. */

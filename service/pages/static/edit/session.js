@@ -7,7 +7,7 @@
  */
 
 import { getPanel, PatternError } from './pattern_model.js';
-import { layOut } from './layout.js';
+import { layOut, overlaps } from './layout.js';
 
 /** Most states that undo keeps; unchanged panels are shared between them. */
 const KEPT = 500;
@@ -24,9 +24,11 @@ export const sameItem = (a, b) =>
   a.panel === b.panel && a.point === b.point && a.edge === b.edge && a.handle === b.handle;
 
 export class Session extends EventTarget {
-  /** @param {import("./pattern_model.js").Pattern} pattern */
-  constructor(pattern) {
+  /** @param {import("./pattern_model.js").Pattern} pattern @param {object[][]} pieces   panels that are cut as one, placed in it */
+  constructor(pattern, pieces = []) {
     super();
+    this.pieces = pieces;
+    this.aspect = 1.5;
     this.start(pattern);
     this.tool = 'select';
     this.options = {
@@ -64,9 +66,17 @@ export class Session extends EventTarget {
     this.at = 0;
     this.shown = null;
     this.selection = [];
-    this.places = layOut(pattern);
+    this.places = layOut(pattern, this.aspect, this.pieces);
     this.tell('pattern');
     this.tell('selection');
+  }
+
+  /** Lay panels out for a board of another aspect (width over height). */
+  arrange(aspect = this.aspect) {
+    this.aspect = aspect;
+    this.places = layOut(this.present, aspect, this.pieces);
+    this.tell('pattern');
+    this.tell('fit');
   }
 
   /** Return the state that is shown: what a drag makes, else the present one. */
@@ -113,11 +123,16 @@ export class Session extends EventTarget {
   /** Keep a state as the next one. */
   commit(pattern = this.shown) {
     this.shown = null;
+    const before = this.present,
+      isOverlapping = (state) => overlaps(state, (name) => this.placeOf(name, state), this.pieces);
     if (pattern && pattern !== this.present) {
       this.states = [...this.states.slice(Math.max(this.at - KEPT, 0), this.at + 1), pattern];
       this.at = this.states.length - 1;
     }
     this.dropGone();
+    // What has grown over another is laid out anew; panels that were moved by hand stay where they are.
+    const isGrown = this.present.panels !== before.panels && isOverlapping(this.present) && !isOverlapping(before);
+    if (isGrown) this.arrange();
     this.tell('pattern');
   }
 
@@ -125,13 +140,13 @@ export class Session extends EventTarget {
    * Change the pattern by an operation; if it refuses, show why and change nothing.
    *
    * @param {(pattern: object) => object} operation
-   * @param {string} done   what to say
+   * @param {string|(() => string)} done   what to say
    */
   change(operation, done) {
     try {
       const next = operation(this.present);
       this.commit(next);
-      this.say(done);
+      this.say(typeof done === 'function' ? done() : done);
       return true;
     } catch (error) {
       this.refuse(error);

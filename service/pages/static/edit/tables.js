@@ -4,6 +4,7 @@ import { make } from '../dom.js';
 import { isStraight, norm, subtract } from './edge_geometry.js';
 import { edgesBetween } from './curve_operations.js';
 import { describeImages } from './drawing.js';
+import { chainOf, edgeWords, panelWords, pointWords } from './names.js';
 import { edgeLength, getPanel, panelArea, panelOutline } from './pattern_model.js';
 import { seamLengths, seamOf, sewnPoints } from './seams.js';
 import { kindOf } from './session.js';
@@ -11,7 +12,6 @@ import { kindOf } from './session.js';
 /** A mismatch below this is none [m]: half of the last digit that is shown. */
 const EQUAL = 5e-5;
 const mm = (metres) => (Math.round(1e4 * metres) / 10 + 0).toFixed(1); // + 0: no "-0.0"
-const edgeName = ({ panel, edge }) => `${panel} ${edge + 1}`;
 
 /** Fill the table of seams; rows are kept, texts are changed. */
 export class SeamTable {
@@ -49,7 +49,7 @@ export class SeamTable {
       const button = make(
         'button.words',
         { type: 'button', onclick: select },
-        `${edgeName(seam.a)} – ${edgeName(seam.b)}`,
+        `${edgeWords(pattern, seam.a)} – ${edgeWords(pattern, seam.b)}`,
       );
       return { cells, row: make('tr', {}, make('th', { scope: 'row' }, button), ...cells) };
     });
@@ -71,9 +71,9 @@ export function describeSelection(session) {
   if (kindOf(item) === 'point') {
     const [x, y] = panel.points[item.point],
       images = describeImages(session.present, item);
-    const sewn = sewnPoints(pattern, item).map(({ panel: name, point }) => `${name} ${point + 1}`);
+    const sewn = sewnPoints(pattern, item).map((point) => pointWords(pattern, point));
     return [
-      `Point ${item.point + 1} of ${panel.name}: x ${mm(x)}, y ${mm(y)} mm.`,
+      `${capital(pointWords(pattern, item))}: x ${mm(x)}, y ${mm(y)} mm.`,
       images.length ? `Mirror image: ${images.join(', ')}.` : 'It has no mirror image.',
       sewn.length ? `Sewn to ${sewn.join(', ')}.` : 'It is not sewn.',
     ];
@@ -83,14 +83,41 @@ export function describeSelection(session) {
       sewn = seamOf(pattern, item);
     const length = edgeLength(pattern, item);
     return [
-      `Edge ${item.edge + 1} of ${panel.name}: ${isStraight(edge) ? 'straight' : edge.kind}, ${mm(length)} mm long.`,
+      `${capital(edgeWords(pattern, item))}: ${isStraight(edge) ? 'straight' : edge.kind}, ${mm(length)} mm long.`,
       sewn
-        ? `Sewn to ${edgeName(sewn.other)}, ${mm(edgeLength(pattern, sewn.other))} mm.`
-        : `Open${edge.contour ? `: ${edge.contour}` : ''}.`,
+        ? `Sewn to ${edgeWords(pattern, sewn.other)}, ${mm(edgeLength(pattern, sewn.other))} mm.`
+        : 'It is not sewn.',
+      ...describeChain(pattern, item),
     ];
   }
   if (kindOf(item) === 'handle') return [`Handle ${item.handle + 1} of edge ${item.edge + 1} of ${panel.name}.`];
-  return [`Panel ${panel.name}: ${panel.points.length} points, ${(1e4 * panelArea(panel)).toFixed(0)} cm².`];
+  return [`Panel ${panelWords(panel.name)}: ${panel.points.length} points, ${(1e4 * panelArea(panel)).toFixed(0)} cm².`];
+}
+
+const capital = (words) => words.charAt(0).toUpperCase() + words.slice(1);
+
+/** Return the length of the whole line of an edge, and of what it is sewn to. */
+export function measureChain(pattern, item) {
+  const edges = chainOf(pattern, item),
+    sewn = edges.map((edge) => seamOf(pattern, edge)?.other ?? null);
+  const sum = (refs) => refs.reduce((total, ref) => total + edgeLength(pattern, ref), 0);
+  return {
+    panels: [...new Set(edges.map(({ panel }) => panel))],
+    count: edges.length,
+    length: sum(edges),
+    other: sewn.every(Boolean) ? sum(sewn) : null,
+  };
+}
+
+function describeChain(pattern, item) {
+  const { line } = getPanel(pattern, item.panel).edges[item.edge].title ?? {};
+  if (!line) return [];
+  const { panels, count, length, other } = measureChain(pattern, item);
+  const own = count > 1 ? [`Whole ${line}, on ${panels.map(panelWords).join(', ')}: ${mm(length)} mm.`] : [];
+  if (other === null) return own;
+  const ease = length - other;
+  const words = Math.abs(ease) < EQUAL ? 'equally long' : `${mm(Math.abs(ease))} mm ${ease > 0 ? 'shorter' : 'longer'}`;
+  return [...own, `What it is sewn to: ${mm(other)} mm, ${words}.`];
 }
 
 function describePair(pattern, one, two) {
@@ -102,7 +129,7 @@ function describePair(pattern, one, two) {
     0,
   );
   return [
-    `Points ${one.point + 1} and ${two.point + 1} of ${one.panel}: ${mm(straight)} mm apart, ${mm(along)} mm along the outline.`,
+    `${capital(pointWords(pattern, one))} and ${pointWords(pattern, two)}: ${mm(straight)} mm apart, ${mm(along)} mm along the outline.`,
   ];
 }
 
@@ -142,7 +169,8 @@ function stray(polygon, other) {
 /** Return the differences as text. */
 export function describeDifferences(pattern, original) {
   return findDifferences(pattern, original).map(({ panel, furthest }) => {
-    if (furthest === null) return `${panel}: new`;
-    return furthest < EQUAL ? `${panel}: the same` : `${panel}: up to ${mm(furthest)} mm`;
+    const words = panelWords(panel);
+    if (furthest === null) return `${words}: new`;
+    return furthest < EQUAL ? `${words}: the same` : `${words}: up to ${mm(furthest)} mm`;
   });
 }
