@@ -24,13 +24,15 @@ def draw_form(services: Services) -> Html:
                 formats=", ".join((*FORMATS, *CLOUDS)).upper())  # fmt: skip
 
 
-DROP = """<form id="submit" class="card"><h2>New job</h2>
-<div id="drop" class="drop"><label for="scan">Drop a scan here, or choose a file</label>
-<input id="scan" name="scan" type="file" accept="{scans}" required>
-<p id="told" class="soft" role="status">A raw scan of a person, or a garment: {formats}.</p>
+DROP = """<form id="submit" class="card"><h2 class="hushed">New jobs</h2>
+<div id="drop" class="drop"><p class="row">Drop scans or folders here, or
+<input id="scan" class="hushed" type="file" accept="{scans}" multiple><label for="scan" class="button">Choose files</label>
+<button type="button" id="folder-button">Choose a folder</button></p>
+<input id="folder" type="file" webkitdirectory hidden aria-label="Folder">
+<p id="told" class="soft" role="status">Raw scans of persons, or garments: {formats}.</p>
 </div>
 <details><summary>Options</summary><div class="options">
-<label>Name <input name="name" maxlength="255" placeholder="the file's name"></label>
+<label id="name-option">Name <input name="name" maxlength="255" placeholder="the file's name"></label>
 <label>Tags <input name="tags" placeholder="spring, fitting"></label>
 <label>The scan is <select name="as"><option value="">detected</option><option value="person">a person</option>
 <option value="garment">a garment</option></select></label>
@@ -48,6 +50,9 @@ DROP = """<form id="submit" class="card"><h2>New job</h2>
 <label>Method <select name="method"><option value="">default</option>{methods}</select></label>
 <label>Re-drape <select name="redrape"><option value="">default</option>{redrapes}</select></label>
 </div></details>
+<section id="batch" hidden aria-label="Chosen files"><p><label>Batch <input name="batch" maxlength="64"></label>
+<span class="soft">A tag of all its jobs.</span></p><ol class="files"></ol>
+<p id="batch-state" role="status"></p></section>
 <p class="row"><button type="submit" class="primary">Queue the job</button><progress id="sent" max="1" value="0" hidden
  aria-label="Upload"></progress></p><div id="problem"></div>
 <section id="understood" hidden aria-label="Detected in the scan"><h3>Detected in the scan</h3>

@@ -111,7 +111,7 @@ def test_a_scan_is_chosen_and_queued_by_touch(open_window, site, monkeypatch, tm
         page = opened.new_page()
         page.goto("/")
         with page.expect_file_chooser() as chooser:
-            page.get_by_text("Drop a scan here, or choose a file").tap()
+            page.get_by_text("Choose files").tap()
         chooser.value.set_files(scan)
         page.locator("#understood[data-sure='1']").wait_for()
         told = read_rows(page)
