@@ -35,6 +35,7 @@ COMMANDS = {
     "measure": "Measure a body, a pattern, or a job's garment and wearer.",
     "match": "Compare two patterns panel by panel.",
     "cancel": "Stop a job.",
+    "rename": "Give a job's family another name or tags.",
     "retry": "Queue ended jobs again.",
     "segment": "Label skin, hair, shoes and garments of a person's scan, and fit the body under the clothes.",
     "inspect": "Show what is detected in a file, before a job is run.",

@@ -39,7 +39,7 @@ def is_recorded(method: str, path: str, status: int) -> bool:
     """Return whether the log keeps a request: it changed something, or downloaded a file."""
     if status >= 400 or path.endswith(READ_ONLY_ENDINGS):
         return False
-    return method in ("POST", "PUT", "DELETE") or (method == "GET" and any(part in path for part in DOWNLOADS))
+    return method in ("POST", "PUT", "PATCH", "DELETE") or (method == "GET" and any(part in path for part in DOWNLOADS))
 
 
 def record_access(database: Database, key: str, action: str, subject: str, origin: tuple[str, str]) -> None:

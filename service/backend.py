@@ -123,6 +123,13 @@ class Backend(Protocol):
             JobNotEnded, JobSucceeded: if it cannot be retried.
         """
 
+    def rename(self, job: str, name: str | None = None, tags: Sequence[str] | None = None) -> JobReport:
+        """Write another name or other tags of a job's family, and return the job; None: as it is.
+
+        Raises:
+            LabelBad: if they cannot be used.
+        """
+
     def list_artifacts(self, job: str) -> list[Artifact]:
         """Return a job's result files by name."""
 

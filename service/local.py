@@ -30,6 +30,7 @@ from .database import Database
 from .order import Order
 from .queue_records import Queue
 from .records import Artifact, Event, Job, JobReport, Key, News
+from .renaming import rename_family
 from .services import Services, open_services
 from .settings import ServiceSettings
 from .share_records import DEFAULT_SHARE_DAYS, SHARE_PATH, Share
@@ -125,6 +126,12 @@ class LocalBackend:
     def retry(self, job: str) -> State:
         """Queue a job again that ended without success."""
         return families.retry(self._database, jobs.find_job(self._database, job).id)
+
+    def rename(self, job: str, name: str | None = None, tags: Sequence[str] | None = None) -> JobReport:
+        """Write another name or other tags of a job's family, and return the job; None: as it is."""
+        row = jobs.find_job(self._database, job)
+        rename_family(self._database, row.id, name, tags)
+        return self.find_job(row.id)
 
     def list_artifacts(self, job: str) -> list[Artifact]:
         """Return a job's result files by name."""

@@ -266,6 +266,12 @@ class RemoteBackend(RemoteLibraries):
         found = self._ask("POST", f"/v1/jobs/{quote(job, safe='')}/retry", tries=1)
         return read(lambda: State(found["state"]))
 
+    def rename(self, job: str, name: str | None = None, tags: Sequence[str] | None = None) -> JobReport:
+        """Write another name or other tags of a job's family, and return the job; None: as it is."""
+        changes = {"name": name, "tags": None if tags is None else list(tags)}
+        found = self._ask("PATCH", f"/v1/jobs/{quote(job, safe='')}", json=changes)
+        return read(lambda: JobReport.from_json(found))
+
     def refine(self, job: str) -> SubmissionResult:
         """Queue the recovery at standard quality of a preview's files."""
         return read_submitted(self._ask("POST", f"/v1/jobs/{quote(job, safe='')}/refine"))

@@ -33,6 +33,7 @@ from . import (
     patterns,
     persons,
     questions,
+    renaming,
     results,
     shares,
     templates,
@@ -88,7 +89,7 @@ def make_app(
     size = StoreSize(database, settings)
     app.state.rooms = AppState(settings, database, store, limits, token, meter, calls, lanes, times, size)
     libraries = (match, patterns, templates, materials, keys, persons, webhooks, shares)
-    for module in (uploads, inspection, batches, jobs, labels, events, results, questions, *libraries):
+    for module in (uploads, inspection, batches, jobs, renaming, labels, events, results, questions, *libraries):
         app.include_router(module.router, prefix="/v1", dependencies=[Depends(refuse_unknown), Depends(refuse_text)])
     app.include_router(health.router)
     app.webhooks.include_router(messages.router)
@@ -101,7 +102,7 @@ def make_app(
         app.add_middleware(
             CORSMiddleware,
             allow_origins=origins,
-            allow_methods=["GET", "POST", "PUT", "DELETE"],
+            allow_methods=["GET", "POST", "PUT", "PATCH", "DELETE"],
             allow_headers=["authorization", "content-type", "idempotency-key", "x-content-sha256", "last-event-id"],
             expose_headers=["etag", "location", "retry-after", "x-request-id"],
         )

@@ -20,7 +20,7 @@ POLICY = f"default-src 'none'; style-src 'sha256-{DIGEST}'; frame-ancestors 'non
 """The page's Content-Security-Policy: its own style and nothing else; no script runs in it, whatever a text
 contains."""
 
-METHODS = ("get", "post", "put", "delete")
+METHODS = ("get", "post", "put", "patch", "delete")
 
 
 def draw_page(described: dict[str, Any]) -> str:

@@ -164,6 +164,14 @@ class DerivedIn(BaseModel):
     tags: list[Tag] = Field(default=[], max_length=20, description="Words by which it can be found.")
 
 
+class RenamingIn(BaseModel):
+    """Describe another name or other tags of a family."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_extra={"example": {"name": "Anna", "tags": ["spring"]}})
+    name: Text | None = Field(None, min_length=1, description="The new name; null: as it is.")
+    tags: list[Tag] | None = Field(None, max_length=20, description="All tags from now on; null: as they are.")
+
+
 def _tag(value: Any) -> str:
     return "derived" if isinstance(value, DerivedIn) or (isinstance(value, dict) and "kind" in value) else "scan"
 

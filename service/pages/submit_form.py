@@ -26,7 +26,8 @@ def draw_form(services: Services) -> Html:
 
 DROP = """<form id="submit" class="card"><h2 class="hushed">New jobs</h2>
 <div id="drop" class="drop"><p class="row">Drop scans or folders here, or
-<input id="scan" class="hushed" type="file" accept="{scans}" multiple><label for="scan" class="button">Choose files</label>
+<input id="scan" class="hushed" type="file" accept="{scans}" multiple>
+<label for="scan" class="button">Choose files</label>
 <button type="button" id="folder-button">Choose a folder</button></p>
 <input id="folder" type="file" webkitdirectory hidden aria-label="Folder">
 <p id="told" class="soft" role="status">Raw scans of persons, or garments: {formats}.</p>

@@ -16,8 +16,8 @@ from jsonschema import Draft202012Validator
 from openapi_spec_validator import OpenAPIV31SpecValidator
 
 OPERATIONS = """
-cancel_job check_pattern create_job create_key create_share create_webhook delete_job delete_material delete_person
-delete_template delete_webhook download_artifact download_export download_result edit_pattern follow_job forget_body
+cancel_job change_job check_pattern create_job create_key create_share create_webhook delete_job delete_material
+delete_person delete_template delete_webhook download_artifact download_export download_result edit_pattern follow_job forget_body
 forget_labels forget_motion forget_pattern forget_scan import_material import_template inspect_scan list_artifacts
 list_jobs list_keys list_materials list_shares list_states list_templates list_versions list_webhooks match_patterns
 mend_labels query_jobs refine_job retry_job revoke_key revoke_share set_wearing show_body show_health show_job

@@ -212,6 +212,25 @@ def test_a_job_is_stopped_and_tried_again(backend, order, database):
     assert backend.cancel(job) is State.RUNNING and backend.find_job(job).state is State.RUNNING
 
 
+def test_a_family_is_renamed(backend, order, database):
+    """Breaks where a name or tags are changed in one job only, are lost, or bad ones are stored."""
+    job = backend.submit(backend.check_order(order)).job
+    with database.write() as session:
+        make_children(session, job, [ChildRequest("upper", "recover", {})])
+    assert backend.rename(job[:8], "Anna Bluse", ["spring", "fitting"]).name == "Anna Bluse"
+    child = backend.find_job(job).children[0].job
+    assert backend.find_job(child).tags == ["fitting", "spring"] and backend.find_job(child).name == "upper"
+    assert backend.rename(child, "Anna").id == child
+    found = backend.find_job(job)
+    assert (found.name, found.tags) == ("Anna", ["fitting", "spring"])
+    assert backend.rename(job, tags=[]).tags == [] and backend.find_job(job).name == "Anna"
+    for bad in ({"name": "a\x00b"}, {"tags": ["x" * 65]}, {"tags": [str(n) for n in range(21)]}):
+        with pytest.raises(BadInput):
+            backend.rename(job, **bad)
+    assert backend.find_job(job).name == "Anna"
+    assert code_of(backend.rename, "abcdefabcdef") == ("job.unknown", NotFound)
+
+
 def test_a_template_and_a_key_come_and_go(local, remote, tmp_path):
     """Breaks where what one side made is another on the other side."""
     pattern = _write_template(tmp_path)
