@@ -4,13 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ..gallery import GARMENT_KIND
 from ..kinds.redrape_request import REDRAPE
 from ..records import JobReport
 from ..states import State
+from ..submission import PERSON_KIND
 from .control_words import speak_of_controls
 from .icons import draw_icon
 from .markup import Html, html, join
 from .words import draw_state, draw_time, draw_verdict
+
+WITHOUT_FIGURE = ("export", REDRAPE)
+"""Kinds of jobs whose results have no picture of their own."""
 
 
 def draw_list(families: Sequence[Sequence[JobReport]]) -> Html:
@@ -23,7 +28,8 @@ def _draw_row(job: JobReport, root: JobReport) -> Html:
     is_alone = job.kind != REDRAPE and all(child.kind == REDRAPE for child in job.children)
     url = f"/results/{job.id}" if job.state == State.SUCCEEDED and is_alone else f"/jobs/{job.id}"
     thumbnail = Html()
-    if job.state == State.SUCCEEDED:
+    is_dressed = job.kind != PERSON_KIND or any(child.kind == GARMENT_KIND for child in job.children)
+    if job.state == State.SUCCEEDED and is_dressed and job.kind not in WITHOUT_FIGURE:
         thumbnail = html('<img src="/jobs/{}/thumbnail" alt="" width="56" height="75" loading="lazy">', job.id)
     what = " · ".join([job.kind, ", ".join(one for one in (job.garment, job.fabric) if one)]).removesuffix(" · ")
     error = html('<span class="bad">{}</span>', speak_of_controls(job.error.message)) if job.error else Html()

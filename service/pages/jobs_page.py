@@ -8,13 +8,14 @@ from typing import Annotated
 from urllib.parse import urlencode
 
 from fastapi import Depends, Query, Response
+from fastapi.responses import JSONResponse
 from sqlalchemy import select
 
 from ..api.access import AppState, AppStateDependency
 from ..families import find_below
-from ..gallery import read_families
+from ..gallery import count_batch, read_families
 from ..models import JobRow, OwnerRow
-from ..query import Condition, JobQuery, find_families, find_roots
+from ..query import TAG, Condition, JobQuery, find_families, find_roots
 from ..records import JobReport
 from ..results import report_jobs
 from ..states import State
@@ -22,6 +23,7 @@ from .gallery_cards import draw_cards, is_undressed
 from .jobs_list import draw_list
 from .markup import Html, html, join
 from .page_route import make_router
+from .selection_bar import draw_batch, draw_selection
 from .session import VisitorOf
 from .shell import draw_shell
 from .submit_form import draw_form
@@ -30,6 +32,9 @@ router = make_router()
 
 PAGE_FAMILY_COUNT = 50
 """Number of families on one page of gallery or list."""
+
+MAX_SELECTED_FAMILIES = 5000
+"""Largest number of families that are selected at once; each is changed by a request of its own."""
 
 Field = Annotated[str, Query(max_length=255)]
 LIST_VIEW = "list"
@@ -98,11 +103,32 @@ def show_jobs(rooms: AppStateDependency, visitor: VisitorOf, query: Annotated[Jo
             html('<div class="bar"><h1>{}</h1>{}</div>', "Jobs" if is_list else "Gallery", _draw_views(query)),
             draw_form(rooms) if visitor.may_submit else Html(),
             _draw_filters(query.chosen | {"where": query.where}, query.view),
+            _draw_batch(rooms, query, owner, visitor.may_submit),
             shown,
             html('<p class="row">{}{}</p>', newest, more),
+            draw_selection() if visitor.may_submit else Html(),
         ]
     )
     return draw_shell("Jobs", content, visitor, ["jobs.js"], "/")
+
+
+@router.get("/selection")
+def list_selection(
+    rooms: AppStateDependency, visitor: VisitorOf, query: Annotated[JobListQuery, Depends()]
+) -> JSONResponse:
+    """Return ids and names of all families that the filter finds, on whatever page they are."""
+    owner = None if visitor.caller.sees_all else visitor.caller.key
+    if query.view == LIST_VIEW:
+        rows = find_roots(rooms.database, query.conditions, MAX_SELECTED_FAMILIES, owner)
+        found = [(row.id, row.name) for row in rows]
+    else:
+        found = find_families(rooms.database, query.conditions, MAX_SELECTED_FAMILIES, owner)
+    return JSONResponse({"families": [{"job": job, "name": name} for job, name in found]})
+
+
+def _draw_batch(rooms: AppState, query: JobListQuery, owner: str | None, may_submit: bool) -> Html:
+    tag = query.chosen.get(TAG)
+    return draw_batch(tag, count_batch(rooms.database, tag, owner), may_submit) if tag else Html()
 
 
 def _draw_gallery(rooms: AppState, query: JobListQuery, owner: str | None) -> tuple[Html, str]:
@@ -167,7 +193,8 @@ def _draw_filters(chosen: Mapping[str, str], view: str) -> Html:
 
     return html(
         FILTER, states=options([one.value for one in State], "state"), verdicts=options(VERDICTS, "verdict"),
-        open=Html(" open" if any(chosen.values()) else ""), view=view, all=f"/?view={view}" if view else "/",
+        open=Html(" open" if any(text for name, text in chosen.items() if name != TAG) else ""), view=view,
+        all=f"/?view={view}" if view else "/",
         **{field: chosen.get(field, "") for field in ("garment", "kind", "tag", "name", "where")},
     )  # fmt: skip
 

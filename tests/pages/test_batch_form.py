@@ -68,6 +68,12 @@ def test_several_chosen_files_lead_to_their_batch(page, site, folder):
     assert page.locator("li.family").count() == 2
     choose_options(page)
     page.locator("#scan").set_input_files([folder / "anna.ply", folder / "more" / "clara.ply"])
+    page.locator("[name=batch]").fill("once more")
+    page.get_by_role("button", name="Queue all").click()
+    page.wait_for_url("**/?tag=once+more")
+    assert page.locator("li.family").count() == 2  # known jobs have the batch's tag, too
+    choose_options(page)
+    page.locator("#scan").set_input_files([folder / "anna.ply", folder / "more" / "clara.ply"])
     page.locator("#scan").set_input_files([folder / "anna.ply"])
     assert not page.locator("#batch").is_visible()
     page.locator("#understood tr").first.wait_for()

@@ -58,6 +58,15 @@ export const postJson = (path, value) => sendJson(path, 'POST', value);
 /** @param {string} path @param {unknown} [value] @returns {Promise<any>} the answer's JSON */
 export const putJson = (path, value) => sendJson(path, 'PUT', value);
 
+/** @param {string} path @param {unknown} value @returns {Promise<any>} the answer's JSON */
+export const patchJson = (path, value) => sendJson(path, 'PATCH', value);
+
+/** Add a tag to those of a job's family. @param {string} job @param {string} tag */
+export async function addTag(job, tag) {
+  const { tags } = await getJson(`/v1/jobs/${job}`);
+  if (!tags.includes(tag)) await patchJson(`/v1/jobs/${job}`, { tags: [...tags, tag] });
+}
+
 /** @param {string} path @returns {Promise<any>} the answer's JSON */
 export const deleteJson = (path) => sendJson(path, 'DELETE');
 

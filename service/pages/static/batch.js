@@ -1,5 +1,5 @@
 // Several files: each has a row, is uploaded and inspected after the one before, and becomes a job of the batch.
-import { getJson, postJson, uploadFile } from './api.js';
+import { addTag, getJson, postJson, uploadFile } from './api.js';
 import { find, make } from './dom.js';
 import { tellInspection } from './inspection.js';
 import { readDetected, readOrder } from './order.js';
@@ -119,6 +119,7 @@ export class Batch {
       try {
         const { job, is_new: isNew } = await postJson('/v1/jobs', { ...order, scan: row.sha256 });
         row.job = job;
+        if (!isNew && tag) await addTag(job, tag);
         row.tell(make('a', { href: `/jobs/${job}` }, isNew ? 'queued' : 'known already'));
         count += 1;
         known += isNew ? 0 : 1;
@@ -129,6 +130,6 @@ export class Batch {
     const scans = this.rows.filter((one) => one.isScan).length;
     const link = make('a', { href: `/?${new URLSearchParams({ tag })}` }, 'Show the batch');
     this.state.replaceChildren(`${count} of ${scans} queued${known ? `, ${known} of them known before` : ''}. `, ...(count && tag ? [link] : []));
-    if (count === scans && count && tag && !known) location.assign(link.getAttribute('href'));
+    if (count === scans && count && tag) location.assign(link.getAttribute('href'));
   }
 }
