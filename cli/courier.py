@@ -30,7 +30,9 @@ def command(is_check: bool, home: Path | None) -> None:
     if is_check:
         check_heartbeat(settings, Kept.COURIER)
         return
+    from ..service.logs import set_up_logs
     from ..workers.courier import run_courier
 
+    set_up_logs(bool(settings.log_json))
     with suppress(KeyboardInterrupt):
         run_courier(settings)

@@ -47,9 +47,11 @@ def command(
 
     from ..service.api.limits import read_limits
     from ..service.api.server import check_keys, serve
+    from ..service.logs import set_up_logs
     from ..service.settings import read_settings
 
     settings, limits = read_settings(home=home), read_limits()
+    set_up_logs(bool(settings.log_json))
     if max_upload_mb is not None:
         limits = replace(limits, upload_bytes=max_upload_mb << 20)
     with suppress(KeyboardInterrupt):
@@ -75,7 +77,9 @@ def announce(settings: ServiceSettings, host: str, port: int, is_alone: bool = T
             not list_workers(database),
             is_alone and is_loopback(host) and not has_keys(database),
         )
-        link = f"?link={begin_session(database, LOCAL_CALLER, is_link=True)}" if is_keyless else ""
+        # A log is read by more people than a terminal: it gets no link that signs in.
+        is_linked = is_keyless and not settings.log_json
+        link = f"?link={begin_session(database, LOCAL_CALLER, is_link=True)}" if is_linked else ""
     finally:
         database.dispose()
     of = hide_password(settings.database_url) or settings.home

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import logging
 import math
 import time
 from collections.abc import Iterable, Sequence
@@ -18,19 +19,32 @@ if TYPE_CHECKING:
     from ..service.records import Job
 
 
+log = logging.getLogger(__name__)
+
+
 def print_json(value: Any) -> None:
     """Print one object on one line."""
     click.echo(json.dumps(value, allow_nan=False))
 
 
 def print_note(text: str) -> None:
-    """Print a note on standard error, without control characters."""
-    click.echo(keep_printable(text), err=True)
+    """Print a note on standard error, without control characters; log it where every line has to be JSON."""
+    from ..service.logs import is_log_json
+
+    if is_log_json():
+        log.info("%s", text)
+    else:
+        click.echo(keep_printable(text), err=True)
 
 
 def print_error(code: str, message: str) -> None:
-    """Print an error as one line, without control characters."""
-    click.echo(keep_printable(f"error {code}: {message}"), err=True)
+    """Print an error as one line, without control characters; log it where every line has to be JSON."""
+    from ..service.logs import is_log_json
+
+    if is_log_json():
+        log.error("%s: %s", code, message)
+    else:
+        click.echo(keep_printable(f"error {code}: {message}"), err=True)
 
 
 def print_table(columns: Sequence[str], rows: Iterable[Sequence[object]], title: str | None = None) -> None:

@@ -69,9 +69,11 @@ def _serve(
 ) -> None:
     """Start everything, restart what dies, and stop all of it on a stop signal, at whatever point of the start."""
     from ..service.api.server import check_keys, serve
+    from ..service.logs import set_up_logs
     from ..workers.embedded import keep_services_up, stop_services
     from .serve import announce
 
+    set_up_logs(bool(settings.log_json))
     check_keys(settings, address[0], hosts)
     kept = ExitStack()
     try:

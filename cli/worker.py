@@ -39,6 +39,7 @@ def command(
         check_heartbeat(read_settings(home=home), Kept.WORKER)
         return
     from ..service.database import open_database
+    from ..service.logs import set_up_logs
     from ..service.reaper import is_idle
     from ..service.states import QUEUES
     from ..workers.broker import start_broker, stop_broker
@@ -48,6 +49,7 @@ def command(
     from .terminal import print_note
 
     settings = read_settings(home=home)
+    set_up_logs(bool(settings.log_json))
     served = tuple(dict.fromkeys(queues.split(",")))
     if set(served) - set(QUEUES):
         raise click.BadParameter(f"'{queues}'; give a list of {', '.join(QUEUES)}.", param_hint="--queues")

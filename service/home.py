@@ -19,8 +19,8 @@ IN_USE = "home.lock"
 PARTS = ("store", "incoming", "work", "run", "cache", "broker", "results", "api.token")
 """Contents of a home beside its database, logs and locks; other files in it may be a user's and are not changed."""
 
-ENDINGS = (".db", ".db-wal", ".db-shm", ".log", ".lock")
-"""Endings of the names of databases, logs and locks."""
+ENDINGS = (".db", ".db-wal", ".db-shm", ".log", ".log.1", ".log.2", ".log.3", ".lock", ".alive")
+"""Endings of the names of databases, logs, locks and heartbeats."""
 
 LEFT_SECONDS = 86400.0
 """Age after which the remains of a killed process are deleted [s]; no upload and no job takes so long."""

@@ -7,11 +7,17 @@ import logging
 import sys
 import time
 from contextvars import ContextVar
+from types import TracebackType
 
 from ..core.run.errors import keep_printable
 
+log = logging.getLogger(__name__)
+
 REQUEST: ContextVar[str] = ContextVar("request", default="")
 """Id of the HTTP request that is being answered, as in its response; empty elsewhere."""
+
+QUIET_LOGGERS = ("alembic", "httpx", "botocore", "boto3", "urllib3")
+"""Loggers of packages that report each of their steps as information."""
 
 FIELDS = ("job", "attempt", "stage")
 """Fields that a record may have beside its message; null in a line without a job."""
@@ -48,9 +54,23 @@ class PlainLines(logging.Formatter):
 
 
 def set_up_logs(as_json: bool) -> None:
-    """Send this process's log to standard error."""
+    """Send this process's log to standard error, with the warnings of Python and, as JSON, the last traceback."""
     handler = logging.StreamHandler(sys.stderr)
     readable = PlainLines("%(asctime)s %(levelname)s %(processName)s %(message)s")
     handler.setFormatter(JsonLines() if as_json else readable)
     logging.basicConfig(handlers=[handler], level=logging.INFO)
-    logging.getLogger("alembic").setLevel(logging.WARNING)
+    for name in QUIET_LOGGERS:
+        logging.getLogger(name).setLevel(logging.WARNING)
+    logging.captureWarnings(True)
+    if as_json:
+        sys.excepthook = _log_exception
+
+
+def is_log_json() -> bool:
+    """Return whether this process logs as JSON, so that every line on standard error is to be an object."""
+    return any(isinstance(handler.formatter, JsonLines) for handler in logging.getLogger().handlers)
+
+
+def _log_exception(kind: type[BaseException], error: BaseException, traceback: TracebackType | None) -> None:
+    """Log what ends the process."""
+    log.critical("%s ends this process", kind.__name__, exc_info=(kind, error, traceback))

@@ -69,7 +69,7 @@ class ServiceSettings:
             by commas; empty: none. It is checked when a webhook is created and when a message is sent.
         send_messages: 1: workers send webhook messages; 0: they leave it to `garmentq courier`, if they have no
             outgoing network access.
-        log_json: 1: the worker writes its log as one JSON object a line.
+        log_json: 1: workers, couriers and the API write their logs as one JSON object a line.
         threads: Threads of each pool child; one, because two children with two threads each took 8 times as long.
         pipeline: Dotted path of the function that runs a recovery.
         writer: Dotted path of the function that writes a recovery's files.

@@ -17,6 +17,7 @@ from ..service.lock import hold_lock, is_locked, take_lock
 from ..service.settings import ServiceSettings
 from .broker import run_folder, start_broker, stop_broker
 from .detached import has_ended, kill_group, launch_or_kill
+from .log_files import rotate_logs
 from .threads import VARIABLES, count_cores
 
 log = logging.getLogger(__name__)
@@ -135,6 +136,7 @@ def _launch(settings: ServiceSettings, folder: Path, workers: int) -> None:
     environment = {**os.environ, **settings.as_environment(), **dict.fromkeys(VARIABLES, str(settings.threads))}
     command = [sys.executable, "-m", "garmentq.cli.main", "worker", "--embedded", "--workers", str(workers)]
     deadline = time.monotonic() + WORKER_START_TIMEOUT
+    rotate_logs(settings)
     with launch_or_kill(command, settings.home / "worker.log", environment) as process:
         while time.monotonic() < deadline and not has_ended(process):
             if is_locked(folder / "worker.lock"):

@@ -21,6 +21,7 @@ from typing import Any
 
 from billiard.exceptions import TimeLimitExceeded, WorkerLostError
 from celery import Celery, bootsteps, signals
+from celery.apps.worker import install_worker_term_handler
 from celery.platforms import SecurityWarning
 
 from ..core.run.errors import GarmentqError
@@ -52,6 +53,7 @@ from .alive import Kept, end_heartbeat, renew_heartbeat
 from .app import CHANNELS, TASK, count_messages, make_app, publish
 from .courier import start_courier
 from .detached import end_group, has_ended
+from .log_files import rotate_logs
 from .messages import MessageGuard
 from .quiet import QuietQueue
 from .recovery import run_job
@@ -89,16 +91,17 @@ class DispatcherStep(bootsteps.StartStopStep):
         # A dying child's pipe closes a moment before the system reports its end; Celery would check again after 5 s.
         parent.timer.call_repeatedly(self.settings.poll_seconds, parent.pool.maintain_pool)
         self.last_heartbeat, self.last_purge, self.next_round = 0.0, -FORGET_OLD_SECONDS, 0.0
-        self.last_sign = -LIFE_SECONDS
+        self.last_sign, self.has_log_file = -LIFE_SECONDS, parent.app.garmentq_is_embedded
         self.courier: int | None = None
         self.clock_guard = ClockJumpGuard(self.settings.lease_seconds)
         self.started = time.monotonic()
-        if parent.app.garmentq_exits_if_idle and self.settings.idle_seconds:
+        if parent.app.garmentq_is_embedded and self.settings.idle_seconds:
             period = min(IDLE_CHECK_SECONDS, self.settings.idle_seconds)
             parent.timer.call_repeatedly(period, self._exit_if_idle)
 
     def stop(self, parent: Any) -> None:
         """Release the leader lease at once; the parent's timers continue while its children finish."""
+        log.info("stopping: running jobs return to the queue at their next step")
         self.rounds.cancel()
         if self.courier is not None and not has_ended(self.courier):
             end_group(self.courier)  # messages that it has not sent stay pending
@@ -116,6 +119,8 @@ class DispatcherStep(bootsteps.StartStopStep):
             self.last_sign = time.monotonic()
             with suppress(OSError):  # a full disk is reported by the jobs
                 renew_heartbeat(self.settings, Kept.WORKER)
+            if self.has_log_file:
+                rotate_logs(self.settings)
         if time.monotonic() < self.next_round or not self.quiet.is_over():
             return
         try:
@@ -199,7 +204,7 @@ def run_worker(
     app = make_app(settings)
     app.garmentq_settings = settings
     app.garmentq_strength = (",".join(queues), concurrency)
-    app.garmentq_exits_if_idle = lock is not None
+    app.garmentq_is_embedded = lock is not None
     draining = multiprocessing.RawValue("b", 0)
     _register(app, settings, draining, lock)
     app.steps["worker"].add(DispatcherStep)
@@ -236,6 +241,7 @@ def _make_worker(app: Celery, **options: Any) -> Any:
             """Handle SIGINT and SIGHUP as SIGTERM; an ignored SIGHUP stays ignored (nohup)."""
             is_kept = signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
             super().install_platform_tweaks(worker)
+            install_worker_term_handler(worker, verbose=False)  # it would print a line that is not of the log
             stop = signal.getsignal(signal.SIGTERM)
             signal.signal(signal.SIGINT, stop)
             signal.signal(signal.SIGHUP, signal.SIG_IGN if is_kept else stop)

@@ -70,7 +70,7 @@ def serve(
 
     limits = limits or read_limits()
     app = make_app(settings, limits, is_loopback(host), read_hosts(hosts))
-    config = uvicorn.Config(app, host=host, port=port, log_level="warning", **make_options(limits))
+    config = uvicorn.Config(app, host=host, port=port, log_level="warning", log_config=None, **make_options(limits))
     try:
         make_server(config).run()
     finally:
