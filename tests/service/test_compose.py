@@ -118,6 +118,13 @@ def test_whoever_sends_to_webhooks_has_a_way_out():
         assert "GARMENTQ_WEBHOOK_NETWORKS" in OURS[name]["environment"]
 
 
+def test_health_checks_are_light_and_tell_what_is_away():
+    """Broken where a busy host makes working containers unhealthy, or an API without its database looks healthy."""
+    assert "/readyz" in str(OURS["api"]["healthcheck"]["test"])
+    for name in ("worker", "courier"):
+        assert OURS[name]["healthcheck"]["test"] == ["CMD", "garmentq", OURS[name]["command"][0], "--check"]
+
+
 def test_nothing_refuses_to_start_before_there_is_a_key():
     """Broken where the API's container starts over and over until somebody has made a key."""
     assert "--await-key" in OURS["api"]["command"]
