@@ -14,19 +14,23 @@ from .output import writing
 @click.command("backup")
 @click.argument("file", type=click.Path(dir_okay=False, path_type=Path))
 @click.option("--overwrite", is_flag=True, help="Replace the file if it exists.")
+@click.option("--without-files", is_flag=True, help="Only name the stored files: a bucket has tools of its own.")
 @known_home_option
 @json_option
 @click.pass_context
-def command(context: click.Context, file: Path, overwrite: bool, home: Path | None, as_json: bool) -> None:
-    """Save the embedded database and its files into one tar file.
+def command(
+    context: click.Context, file: Path, overwrite: bool, without_files: bool, home: Path | None, as_json: bool
+) -> None:
+    """Save the database and its files into one tar file.
 
     Jobs may continue meanwhile: the file holds the state at its start. Stored files that are missing or damaged are
     left out and counted; rows of the database that cannot be read are kept unchanged and named. The exit status is 11
-    then.
+    then. Files --without-files must be copied afterwards, without a `garmentq gc` in between.
 
     \b
     Example:
       garmentq backup monday.tar
+      garmentq backup --without-files monday.tar
     """
     from ..service.backup import make_backup
     from ..service.damage import describe_damaged_rows
@@ -34,7 +38,7 @@ def command(context: click.Context, file: Path, overwrite: bool, home: Path | No
     from .terminal import print_json, print_note
 
     with writing(file, is_private=True):
-        saved = make_backup(read_settings(home=home), file.absolute(), overwrite)
+        saved = make_backup(read_settings(home=home), file.absolute(), overwrite, not without_files)
     status = exits.INCOMPLETE if saved.damaged or saved.missing or saved.rows else exits.OK
     if as_json:
         lost = {"missing": len(saved.missing), "damaged": len(saved.damaged), "rows": len(saved.rows)}

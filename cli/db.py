@@ -25,7 +25,7 @@ def command() -> None:
 def upgrade(home: Path | None, as_json: bool) -> None:
     """Create or upgrade the tables, create the store's folder or bucket, and make the home private.
 
-    The only command that does so, except that a home's SQLite file gets its tables from whichever command comes first.
+    Only this and a restore do so, except that a home's SQLite file gets its tables from whichever command comes first.
     An older version cannot use upgraded tables. A deployment runs this once before its workers start; two at the same
     time wait for each other.
 

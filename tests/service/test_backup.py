@@ -130,13 +130,6 @@ def test_a_damaged_backup_leaves_no_database(settings, filled, damage, tmp_path)
     assert not list(other.home.glob(".restore-*"))
 
 
-def test_a_servers_database_is_left_to_its_own_tools(tmp_path):
-    """Broken where a backup of PostgreSQL silently holds an empty SQLite file."""
-    settings = make_settings(tmp_path, database_url="postgresql://me:secret@host/db")
-    with pytest.raises(BackupRefused, match="pg_dump"):
-        make_backup(settings, tmp_path / "a.tar")
-
-
 def test_the_commands(cli, settings, filled, tmp_path):
     """Broken where the commands do not do what the functions do, or their refusal is not status 4."""
     done = cli("backup", tmp_path / "a.tar", "--json")
