@@ -19,6 +19,7 @@ SINGLE_OPTIONS = (
     "units",
     "up",
     "name",
+    "subject",
     "free",
     "quality",
     "method",

@@ -12,6 +12,7 @@ import click
 from .options import json_option, known_home_option
 
 if TYPE_CHECKING:
+    from ..service.deletion import Deleted
     from ..service.persons import Person, PersonJob
 
 UNITS = {"h": 3600.0, "d": 86400.0, "w": 7 * 86400.0}
@@ -70,7 +71,7 @@ def command(
             return
         if dry_run or not yes:
             going = found.jobs if found else describe_jobs(database, find_dependent_jobs(database, chosen))
-            _show(going, found, as_json)
+            show_person(going, found, as_json)
             if dry_run and as_json:
                 print_json(asdict(found) if found else {"jobs": [asdict(one) for one in going]})
         if dry_run:
@@ -82,13 +83,20 @@ def command(
         database.dispose()
     if as_json:
         print_json(asdict(done))
-        return
+    else:
+        show_deleted(done)
+
+
+def show_deleted(done: Deleted) -> None:
+    """Print what was deleted."""
+    from .terminal import print_note
+
     later = f"; {done.young} new files are deleted by `garmentq gc` in a day" if done.young else ""
     size = f"{done.size / 1e6:.1f} MB"
     print_note(f"deleted {len(done.jobs)} jobs, {done.uploads} uploads, {done.files} files of {size}{later}")
 
 
-def _show(jobs: Sequence[PersonJob], person: Person | None, as_json: bool) -> None:
+def show_person(jobs: Sequence[PersonJob], person: Person | None, as_json: bool) -> None:
     """Show what would be deleted; with JSON output only as a note."""
     from .terminal import print_note, print_table
 

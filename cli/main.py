@@ -37,6 +37,7 @@ COMMANDS = {
     "cancel": "Stop a job.",
     "rename": "Give a job's family another name or tags.",
     "retry": "Queue ended jobs again.",
+    "subjects": "List, show, create, update and delete subjects: the persons who were scanned.",
     "segment": "Label skin, hair, shoes and garments of a person's scan, and fit the body under the clothes.",
     "inspect": "Show what is detected in a file, before a job is run.",
     "templates": "List, show, import, export and delete template patterns.",

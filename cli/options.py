@@ -140,6 +140,7 @@ class OrderOptions:
     redrape: str | None
     force: bool
     name: str
+    subject: str
     tags: tuple[str, ...]
 
 
@@ -233,6 +234,7 @@ def order_options(function: Decorator) -> Decorator:
         ),
         click.option("--force", is_flag=True, help="Create a new job even if an equal one exists."),
         click.option("--name", default="", help="Name of the job and of all below it.  [default: the scan's]"),
+        click.option("--subject", default="", metavar="NAME", help="Person who was scanned; a new name creates one."),
         click.option("--tag", "tags", multiple=True, help="Tag by which they are found; may be repeated."),
     ]
     command: Decorator = gather(OrderOptions, options)(function)

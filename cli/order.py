@@ -41,7 +41,7 @@ def make_order(backend: Backend, scan: Path, options: OrderOptions) -> Order:
         wearing=options.wearing,
         marks=options.mark,
         choices=make_choices(options, by_part),
-        terms=JobTerms(options.name, options.tags, force=options.force),
+        terms=JobTerms(options.name, options.tags, force=options.force, subject=options.subject),
     )
     return backend.check_order(order, None if file is not None else template)
 

@@ -9,7 +9,7 @@ import click
 
 from .options import gather, json_option, known_home_option
 
-OPTION_FIELDS = ("garment", "state", "fabric", "name", "kind", "family", "tag")
+OPTION_FIELDS = ("garment", "state", "fabric", "name", "kind", "family", "tag", "subject")
 """Fields that have an option of their own."""
 
 
@@ -24,6 +24,7 @@ class QueryOptions:
     kind: str | None
     family: str | None
     tag: str | None
+    subject: str | None
     wheres: tuple[str, ...]
     sort: str
     limit: int
@@ -38,7 +39,8 @@ query_options = gather(
         click.option("--name", help="Name of the job."),
         click.option("--kind", help="Kind of job, such as recover."),
         click.option("--family", help="Id of the root job of a family."),
-        click.option("--tag", help="Tag that was given at submission."),
+        click.option("--batch", "--tag", "tag", help="Tag that was given at submission."),
+        click.option("--subject", help="Name or id of the person who was scanned."),
         click.option("--where", "wheres", multiple=True, help="NAME OPERATOR VALUE, joined by 'and'; may be repeated."),
         click.option(
             "--sort", default="-created", show_default=True, help="Field or metric; '-' before it: largest first."
@@ -58,9 +60,9 @@ query_options = gather(
 def command(options: QueryOptions, as_csv: bool, home: Path | None, as_json: bool) -> None:
     """Search completed jobs by their results.
 
-    Names are the fields job, name, kind, family, parent, tag, state, version, error, garment, template, fabric, body,
-    method, preset, created, started, finished, attempts, priority, cpu_seconds, peak_mb, and every metric. Operators:
-    < <= > >= = !=
+    Names are the fields job, name, kind, family, parent, tag, subject, state, version, error, garment, template,
+    fabric, body, method, preset, created, started, finished, attempts, priority, cpu_seconds, peak_mb, and every
+    metric. Operators: < <= > >= = !=
 
     \b
     Example:

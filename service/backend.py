@@ -17,13 +17,16 @@ from .states import State
 
 if TYPE_CHECKING:
     from ..core.cloth.fabric import Fabric
+    from .batch_records import Batch, BatchReport
     from .catalogue import ImportedTemplate, Template
     from .derived import DerivedOrder
     from .order import Order
+    from .persons import PersonDeleted
     from .query import JobQuery
     from .queue_records import Queue
     from .records import Artifact, Job, JobReport, Key, News
     from .share_records import Share
+    from .subject_records import Subject, SubjectFields, SubjectReport
     from .submission import SubmissionResult
     from .versions import Version
     from .webhook_records import Receipt, Webhook
@@ -188,6 +191,55 @@ class Backend(Protocol):
 
         Raises:
             FabricUnknown, FabricShipped: if there is none of that name, or it is a shipped one.
+        """
+
+    def create_subject(self, fields: SubjectFields) -> Subject:
+        """Create the record of a person who was scanned.
+
+        Raises:
+            SubjectBad, SubjectTaken: if a field cannot be used, or there is one of this name.
+        """
+
+    def update_subject(self, subject: str, fields: SubjectFields) -> Subject:
+        """Replace what is said of a subject, by its id or name.
+
+        Raises:
+            SubjectUnknown, SubjectBad, SubjectTaken: if there is none, or a field cannot be used.
+        """
+
+    def list_subjects(self, name: str = "", limit: int = 50, before: str = "") -> list[Subject]:
+        """Return the newest subjects; with `name` the one of exactly this name, with `before` those after an id."""
+
+    def find_subject(self, subject: str) -> SubjectReport:
+        """Return a subject by its id or name, with its scans, families and bodies.
+
+        Raises:
+            SubjectUnknown: if there is none.
+        """
+
+    def assign_jobs(self, subject: str, jobs: Sequence[str]) -> Subject:
+        """Make jobs, with all of their families, a subject's.
+
+        Raises:
+            SubjectUnknown, JobUnknown: if there is none of an id or name.
+        """
+
+    def delete_subject(self, subject: str, dry_run: bool = False) -> PersonDeleted:
+        """Delete a subject with its scans, jobs and all that was made of them; a dry run only lists them.
+
+        Raises:
+            SubjectUnknown: if there is none.
+            JobNotEnded: if one of its jobs has not ended; nothing is deleted then.
+        """
+
+    def list_batches(self, limit: int = 20, before: str = "") -> list[Batch]:
+        """Return the tags whose jobs were ordered last, with their progress; with `before` those after a tag."""
+
+    def find_batch(self, tag: str) -> BatchReport:
+        """Return the progress of the jobs with a tag, with its failures.
+
+        Raises:
+            BatchUnknown: if no job has the tag.
         """
 
     def create_key(

@@ -63,6 +63,7 @@ class Client(RemoteBackend):
         tags: Sequence[str] = (),
         given_as: str | None = None,
         quality: str | None = None,
+        subject: str = "",
         **settings: Any,
     ) -> JobHandle:
         """Upload a scan, queue its recovery, and return the job.
@@ -74,6 +75,7 @@ class Client(RemoteBackend):
             tags: Words by which it can be found.
             given_as: `person` or `garment`; None: found out.
             quality: `preview`, `standard` or `fine`; None: `standard`.
+            subject: Id or name of the person who was scanned; a new name creates a subject.
             settings: Fields of `RecoverySettings`, as `method="deform"`.
 
         Raises:
@@ -82,7 +84,8 @@ class Client(RemoteBackend):
         """
         wearer = read_wearer(str(body)) if body is not None else None
         chosen = _make_settings(quality, settings)
-        order = Order(Path(scan), wearer, settings=chosen, given_as=given_as, terms=JobTerms(name, tuple(tags)))
+        terms = JobTerms(name, tuple(tags), subject=subject)
+        order = Order(Path(scan), wearer, settings=chosen, given_as=given_as, terms=terms)
         return JobHandle(self, self.submit(self.check_order(order, chosen.template)).job)
 
     def job(self, job: str) -> JobHandle:

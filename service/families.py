@@ -14,11 +14,12 @@ from sqlalchemy import delete as delete_rows
 from sqlalchemy.orm import Session, aliased
 
 from ..core.run.errors import BadInput, GarmentqError
+from .batches import forget_tags
 from .database import Database, skip_damaged_rows
 from .jobs import IDS_AT_ONCE, JobUnknown, change_state, create, record
 from .keys import check_quota, grant_job
 from .kinds.kind import PARENT, ChildRequest
-from .models import IdempotencyRow, JobInputRow, JobRow, JobTagRow, JobWaitRow, OwnerRow
+from .models import IdempotencyRow, JobInputRow, JobRow, JobTagRow, JobWaitRow, OwnerRow, SubjectJobRow
 from .new_job import NewJob
 from .states import OPEN, UNSUCCESSFUL, State
 
@@ -176,9 +177,11 @@ def delete(database: Database, jobs: Sequence[str]) -> tuple[str, ...]:
             if (user := session.execute(users).one_or_none()) is not None:
                 raise JobInUse(f"job {user[0]} uses the result of {user[1]}; delete that one first.")
         session.execute(delete_rows(IdempotencyRow).where(IdempotencyRow.job.in_(ids)))
+        tags = session.scalars(select(JobTagRow.tag).where(JobTagRow.job.in_(ids)).distinct()).all()
         for table in (JobInputRow, JobWaitRow):
             session.execute(delete_rows(table).where(table.job.in_(ids)))
         session.execute(delete_rows(JobRow).where(JobRow.id.in_(ids)))
+        forget_tags(session, tags)
         return tuple(ids)
 
 
@@ -222,7 +225,7 @@ def release_waiting_jobs(database: Database) -> int:
 def make_children(session: Session, parent: str, children: Sequence[ChildRequest]) -> dict[str, str]:
     """Create the children that a result requests, in the transaction that stores it.
 
-    They have their parent's priority or a lower one, its tags, payer and owners. If the parent was cancelled
+    They have their parent's priority or a lower one, its tags, subject, payer and owners. If the parent was cancelled
     meanwhile, they are created as cancelled, so that a retry finds them.
 
     Returns:
@@ -236,6 +239,7 @@ def make_children(session: Session, parent: str, children: Sequence[ChildRequest
     row = session.get_one(JobRow, parent, populate_existing=True)
     tags = tuple(session.scalars(select(JobTagRow.tag).where(JobTagRow.job == parent)))
     owners = session.scalars(select(OwnerRow.key).where(OwnerRow.job == parent)).all()
+    subject = session.scalar(select(SubjectJobRow.subject).where(SubjectJobRow.job == parent))
     made: dict[str, JobRow] = {}
     for child in children:
         if child.name in made or not set(child.waits) <= set(made):
@@ -243,6 +247,8 @@ def make_children(session: Session, parent: str, children: Sequence[ChildRequest
         dedup = hashlib.sha256(f"{parent} {child.name}".encode()).hexdigest()
         known = session.scalars(select(JobRow).where(JobRow.dedup == dedup)).one_or_none()
         made[child.name] = known or create(session, _describe(row, child, dedup, tags, made))
+        if subject is not None and known is None:
+            session.add(SubjectJobRow(job=made[child.name].id, subject=subject))
         for key in owners:
             grant_job(session, key, made[child.name].id)
         if row.cancel:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from . import (
+    batches,
     checking,
     derived,
     families,
@@ -17,17 +18,22 @@ from . import (
     keys,
     materials,
     ordering,
+    persons,
     query,
     refining,
     results,
     shares,
+    subjects,
     submission,
     templates,
     webhooks,
 )
+from .batch_records import Batch, BatchReport
 from .catalogue import ImportedTemplate, Template
 from .database import Database
+from .jobs import find_job
 from .order import Order
+from .persons import PersonDeleted
 from .queue_records import Queue
 from .records import Artifact, Event, Job, JobReport, Key, News
 from .renaming import rename_family
@@ -35,6 +41,7 @@ from .services import Services, open_services
 from .settings import ServiceSettings
 from .share_records import DEFAULT_SHARE_DAYS, SHARE_PATH, Share
 from .states import State
+from .subject_records import Subject, SubjectFields, SubjectReport
 from .versions import Version, list_versions
 from .webhook_records import Receipt, Webhook
 from .webhook_trial import try_webhook
@@ -174,6 +181,39 @@ class LocalBackend:
     def delete_material(self, name: str) -> None:
         """Delete an imported fabric; jobs that use it keep its numbers."""
         materials.delete_material(self._database, name)
+
+    def create_subject(self, fields: SubjectFields) -> Subject:
+        """Create the record of a person who was scanned."""
+        return subjects.create_subject(self._database, fields)
+
+    def update_subject(self, subject: str, fields: SubjectFields) -> Subject:
+        """Replace what is said of a subject, by its id or name."""
+        return subjects.update_subject(self._database, subject, fields)
+
+    def list_subjects(self, name: str = "", limit: int = 50, before: str = "") -> list[Subject]:
+        """Return the newest subjects."""
+        return subjects.list_subjects(self._database, name, limit, before)
+
+    def find_subject(self, subject: str) -> SubjectReport:
+        """Return a subject by its id or name, with its scans, families and bodies."""
+        return subjects.find_subject(self._database, subject)
+
+    def assign_jobs(self, subject: str, jobs: Sequence[str]) -> Subject:
+        """Make jobs, with all of their families, a subject's."""
+        ids = [find_job(self._database, job).id for job in jobs]
+        return subjects.assign_jobs(self._database, subject, ids)
+
+    def delete_subject(self, subject: str, dry_run: bool = False) -> PersonDeleted:
+        """Delete a subject with its scans, jobs and all that was made of them; a dry run only lists them."""
+        return persons.delete_subject(self._database, self.services.store, subject, None, dry_run)
+
+    def list_batches(self, limit: int = 20, before: str = "") -> list[Batch]:
+        """Return the tags whose jobs were ordered last, with their progress."""
+        return batches.list_batches(self._database, limit, before)
+
+    def find_batch(self, tag: str) -> BatchReport:
+        """Return the progress of the jobs with a tag, with its failures."""
+        return batches.find_batch(self._database, tag)
 
     def create_key(
         self, name: str, scopes: Sequence[str], quota: int, priority: int = 0, days: float | None = None

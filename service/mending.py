@@ -74,7 +74,7 @@ def _queue(services: Services, row: JobRow, request: PersonRequest, owner: JobTe
     terms = replace(owner, name=row.name, tags=tuple(report.tags), queue=row.queue)
     packed = pack_request(replace(request, given_as="person"))
     with services.database.write() as session:
-        return add_job(session, JobRequest(PERSON_KIND, packed, row.scan, terms=terms))
+        return add_job(session, JobRequest(PERSON_KIND, packed, row.scan, terms=terms, before=row.id))
 
 
 def _correct_labels(services: Services, row: JobRow, points: Path) -> FileRef:

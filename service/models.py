@@ -11,6 +11,9 @@ from .columns import SERIAL, Whole, Words
 from .model_base import Base
 from .share_models import ShareRow as ShareRow
 from .states import State
+from .subject_models import BatchRow as BatchRow
+from .subject_models import SubjectJobRow as SubjectJobRow
+from .subject_models import SubjectRow as SubjectRow
 from .webhook_models import DeliveryRow as DeliveryRow
 from .webhook_models import WebhookRow as WebhookRow
 

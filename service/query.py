@@ -10,12 +10,12 @@ from datetime import datetime
 from difflib import get_close_matches
 from typing import Any, cast
 
-from sqlalchemy import ColumnElement, Select, exists, func, select
+from sqlalchemy import ColumnElement, Select, exists, func, or_, select
 from sqlalchemy.orm import Session, aliased
 
 from ..core.run.errors import BadInput
 from .database import Database, skip_damaged_rows
-from .models import JobInputRow, JobRow, JobTagRow, MetricRow, OwnerRow
+from .models import JobInputRow, JobRow, JobTagRow, MetricRow, OwnerRow, SubjectJobRow, SubjectRow
 from .states import State
 
 TEXTS: dict[str, Any] = {
@@ -35,9 +35,9 @@ TEXTS: dict[str, Any] = {
     "method": JobRow.method,
     "preset": JobRow.preset,
 }
-"""Text fields: compared by = and != only; so is `tag`, of which a job may have several."""
+"""Text fields: compared by = and != only; so are `tag`, of which a job may have several, and `subject`."""
 
-TAG = "tag"
+TAG, SUBJECT = "tag", "subject"
 
 NUMBERS: dict[str, Any] = {
     "created": JobRow.created,
@@ -295,7 +295,7 @@ def _read_time(text: str) -> float:
 
 
 def _condition(name: str, sign: str, value: str) -> Condition:
-    if name in TEXTS or name == TAG:
+    if name in TEXTS or name in (TAG, SUBJECT):
         if sign not in ("=", "==", "!="):
             raise QueryBad(f"'{name}' is text; compare it by = or !=.")
         return Condition(name, sign, value)
@@ -317,6 +317,11 @@ def _meets(session: Session, condition: Condition) -> ColumnElement[bool]:
         return cast(ColumnElement[bool], compare(field, value))
     if name == TAG:
         has = exists().where(JobTagRow.job == JobRow.id, JobTagRow.tag == _check_value(condition))
+        return has if compare is operator.eq else ~has
+    if name == SUBJECT:
+        value = _check_value(condition)
+        people = select(SubjectRow.id).where(or_(SubjectRow.name == value, SubjectRow.id == value))
+        has = _is_named(session, SubjectJobRow.job, SubjectJobRow.subject.in_(people))
         return has if compare is operator.eq else ~has
     _check_metric(session, name)
     metric = aliased(MetricRow)
@@ -363,7 +368,7 @@ def _check_metric(session: Session, name: str) -> None:
     if not (is_text and session.execute(select(exists().where(MetricRow.name == name))).scalar()):
         known = session.scalars(select(MetricRow.name).distinct()).all()  # slow, so only for the message
         if known or not CONDITION.match(f"{name} = 0"):
-            names = sorted([*TEXTS, TAG, *NUMBERS, *known])
+            names = sorted([*TEXTS, TAG, SUBJECT, *NUMBERS, *known])
             near = get_close_matches(name[:60], names, n=1)
             meant = f"did you mean {near[0]}? There" if near else "there"
             raise QueryBad(f"there is no '{name[:60]}'; {meant} are {', '.join(names)}.")

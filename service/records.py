@@ -280,6 +280,7 @@ class JobReport(Job):
         tags: Words by which its family can be found.
         details: Fields of its kind, as JSON values.
         redrape: The re-drape of a recovery; None where its method makes none.
+        subject: Name of the person who was scanned; None where none was named.
     """
 
     garment: str | None
@@ -300,6 +301,7 @@ class JobReport(Job):
     tags: list[str]
     details: dict[str, Any]
     redrape: Redrape | None = None
+    subject: str | None = None
 
     @classmethod
     def from_row(cls, row: JobRow, **found: Any) -> JobReport:

@@ -58,4 +58,4 @@ def submit_refinement(services: Services, row: JobRow, owner: JobTerms | None = 
     (report,) = report_jobs(services.database, [row], services.settings)
     terms = replace(owner or JobTerms(), name=row.name, tags=tuple(report.tags), queue=row.queue)
     with services.database.write() as session:
-        return add_job(session, JobRequest(row.kind, request, row.scan, report.inputs, terms))
+        return add_job(session, JobRequest(row.kind, request, row.scan, report.inputs, terms, row.id))

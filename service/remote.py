@@ -38,7 +38,8 @@ from .ordering import check_order_locally
 from .query import JobQuery
 from .queue_records import Queue
 from .records import Artifact, Event, Job, JobReport, Json, News, check_id
-from .remote_libraries import RemoteLibraries, read, read_all
+from .remote_libraries import read, read_all
+from .remote_subjects import RemoteSubjects
 from .results import choose_files
 from .states import State
 from .store import ArtifactDamaged
@@ -61,7 +62,7 @@ ID_LENGTH = 12
 """Number of letters of a job's complete id."""
 
 
-class RemoteBackend(RemoteLibraries):
+class RemoteBackend(RemoteSubjects):
     """Implement `backend.Backend` by HTTP. Every refusal is a `GarmentqError` with the service's code."""
 
     is_remote = True
@@ -307,7 +308,8 @@ class RemoteBackend(RemoteLibraries):
 def _describe_terms(terms: JobTerms) -> dict[str, Any]:
     """Return the terms of a job as fields of a request; the service knows the key."""
     names = ("priority", "queue", "force", "name")
-    return {name: getattr(terms, name) for name in names} | {"tags": list(terms.tags)}
+    subject = {"subject": terms.subject} if terms.subject else {}  # a service of an earlier version refuses the field
+    return {name: getattr(terms, name) for name in names} | {"tags": list(terms.tags)} | subject
 
 
 def read_submitted(found: Json) -> SubmissionResult:

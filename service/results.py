@@ -28,6 +28,8 @@ from .models import (
     PanelRow,
     PatternRow,
     PieceRow,
+    SubjectJobRow,
+    SubjectRow,
 )
 from .records import Artifact, Child, JobReport, Redrape, RedrapeState
 from .settings import ServiceSettings
@@ -189,11 +191,14 @@ def _find_patterns(session: Session, jobs: Sequence[str]) -> dict[str, dict[str,
 
 
 def _find_family(session: Session, jobs: Sequence[str]) -> dict[str, dict[str, Any]]:
-    """Return for each job its children, inputs, awaited siblings and tags."""
+    """Return for each job its children, inputs, awaited siblings, tags and subject."""
     lists = ("children", "waits", "tags")
     found: dict[str, dict[str, Any]] = {
-        job: {"inputs": {}, "redrape": None, **{name: [] for name in lists}} for job in jobs
+        job: {"inputs": {}, "redrape": None, "subject": None, **{name: [] for name in lists}} for job in jobs
     }
+    names = select(SubjectJobRow.job, SubjectRow.name).join(SubjectRow, SubjectRow.id == SubjectJobRow.subject)
+    for job, name in session.execute(names.where(SubjectJobRow.job.in_(jobs))):
+        found[job]["subject"] = name
     children = select(JobRow).where(JobRow.parent.in_(jobs)).order_by(JobRow.created, JobRow.id)
     for child in session.scalars(children):
         found[child.parent or ""]["children"].append(Child(child.id, child.name, child.kind, child.state))

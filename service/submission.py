@@ -6,12 +6,13 @@ import hashlib
 import json
 import re
 import unicodedata
+import uuid
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import select
+from sqlalchemy import exists, select
 from sqlalchemy.orm import Session
 
 from .. import __version__
@@ -19,19 +20,21 @@ from ..core.body.spec import BuiltinWearer
 from ..core.cloth.fabrics import DEFAULT_FABRIC
 from ..core.recover.settings import LATER, WAIT, RecoverySettings
 from ..core.run.errors import BadInput
+from .batches import note_tags
 from .database import Database, clock, take_advisory_lock
-from .families import grant_family, requeue_jobs
+from .families import find_tree, grant_family, requeue_jobs
 from .jobs import JobUnknown, create
 from .keys import check_quota, grant_job
 from .kinds import FileRef, pack_request
 from .kinds.person_request import PartChoice, PersonRequest
 from .kinds.recover import Recover
 from .kinds.recover_request import RecoverRequest
-from .models import JobRow, OwnerRow, ScanRow
+from .models import JobRow, JobTagRow, OwnerRow, ScanRow, SubjectJobRow, SubjectRow
 from .new_job import NewJob
 from .order import Order, is_person
 from .states import UNSUCCESSFUL, State
 from .store import Store, StoredFile
+from .subjects import choose_subject, set_subject
 from .terms import JobTerms
 
 
@@ -74,6 +77,7 @@ class JobRequest:
         scan: Key of the file from which the family's work derives; for a job that only reads results, that of an input.
         inputs: Ids of the jobs whose results it reads, by the name of the folder in which it finds them.
         terms: How it is queued, with its name.
+        before: Id of the job that it repeats with other settings, whose subject it has; empty: none.
     """
 
     kind: str
@@ -81,6 +85,7 @@ class JobRequest:
     scan: str
     inputs: Mapping[str, str] = field(default_factory=dict)
     terms: JobTerms = field(default_factory=JobTerms)
+    before: str = ""
 
 
 @dataclass(frozen=True)
@@ -145,19 +150,20 @@ def add_job(session: Session, order: JobRequest) -> SubmissionResult:
         JobUnknown: if the key may not see a job that is to be read, or there is none.
         InputNotEnded: if a job that is to be read has no result.
         QueueFull: if the key has reached its number of open jobs.
+        SubjectUnknown, SubjectBad: if its subject cannot be used.
     """
     terms = order.terms
     for job in order.inputs.values():  # first: an equal job shows the contents of its inputs
         _check_input(session, job, terms.key)
-    dedup = _hash(order)
-    take_advisory_lock(session, dedup)  # equal orders at the same time are one job
-    row = session.scalars(select(JobRow).where(JobRow.dedup == dedup).with_for_update()).one_or_none()
+    subject = _find_subject(session, order)
+    dedup, row = _find_equal(session, order, subject)
     if row is not None:
         if row.state in UNSUCCESSFUL:
             requeue_jobs(session, [row], "resubmitted", terms.key, terms.quota)
         grant_family(
             session, terms.key, row
         )  # after the quota: a new owner's row locks the key's, which the quota locks too
+        _join(session, row, terms, subject)
         return SubmissionResult(row.id, False, row.state)
     check_quota(session, terms.key, terms.quota)
     new = NewJob(
@@ -166,7 +172,62 @@ def add_job(session: Session, order: JobRequest) -> SubmissionResult:
     )  # fmt: skip
     made = create(session, new)
     grant_job(session, terms.key, made.id)
+    note_tags(session, terms.key, terms.tags)
+    if subject:
+        set_subject(session, subject, [made.id])
     return SubmissionResult(made.id, True, made.state)
+
+
+def _find_subject(session: Session, order: JobRequest) -> str:
+    """Return the id of an order's subject: the named one, or that of a job that it is made from."""
+    if order.terms.subject:
+        return choose_subject(session, order.terms.key, order.terms.subject)
+    own = select(SubjectJobRow.subject).join(SubjectRow, SubjectRow.id == SubjectJobRow.subject)
+    own = own.where(SubjectRow.key == order.terms.key, SubjectJobRow.job.in_([*order.inputs.values(), order.before]))
+    return session.scalar(own.order_by(SubjectJobRow.job).limit(1)) or ""
+
+
+def _find_equal(session: Session, order: JobRequest, subject: str) -> tuple[str, JobRow | None]:
+    """Return the hash of an order, and the equal job if there is one.
+
+    A job of a subject is shared neither with other keys nor with other subjects: such orders have hashes of their own.
+    """
+    terms = order.terms
+    for realm in (terms.realm, f"{terms.key} {subject}"):
+        dedup = _hash(replace(order, terms=replace(terms, realm=realm)))
+        take_advisory_lock(session, dedup)  # equal orders at the same time are one job
+        row = session.scalars(select(JobRow).where(JobRow.dedup == dedup).with_for_update()).one_or_none()
+        if row is None or _may_join(session, row, terms.key, subject):
+            return dedup, row
+    return _hash(replace(order, terms=replace(terms, nonce=uuid.uuid4().hex))), None
+
+
+def _may_join(session: Session, row: JobRow, key: str, subject: str) -> bool:
+    """Return whether an order of a key for a subject (empty: none) may be an existing job."""
+    people = select(SubjectRow).join(SubjectJobRow, SubjectJobRow.subject == SubjectRow.id)
+    known = session.scalars(people.where(SubjectJobRow.job == row.id)).one_or_none()
+    if known is not None:
+        return known.key == key and subject in ("", known.id)
+    return not subject or not _find_others(session, row.id, key)
+
+
+def _find_others(session: Session, job: str, key: str) -> bool:
+    """Return whether another key owns a job."""
+    return bool(session.scalar(select(exists().where(OwnerRow.job == job, OwnerRow.key != key))))
+
+
+def _join(session: Session, row: JobRow, terms: JobTerms, subject: str) -> None:
+    """Add an order's subject and tags to the family of the equal job that it is, unless another key has that too."""
+    known = set(session.scalars(select(JobTagRow.tag).where(JobTagRow.job == row.id)))
+    note_tags(session, terms.key, {*known, *terms.tags})
+    new_tags = [tag for tag in dict.fromkeys(terms.tags) if tag not in known]
+    if _find_others(session, row.id, terms.key):
+        return
+    family = [one.id for one in find_tree(session, row, is_locked=True)] if subject or new_tags else []
+    if subject:
+        set_subject(session, subject, family)
+    if len(known) + len(new_tags) <= MAX_FAMILY_TAGS:
+        session.add_all(JobTagRow(job=job, tag=tag) for job in family for tag in new_tags)
 
 
 def check_labels(terms: JobTerms) -> None:

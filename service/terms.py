@@ -22,6 +22,8 @@ class JobTerms:
         key: Id of the caller's API key, or empty; the key then owns the job too.
         quota: Jobs that the key may have open at a time.
         realm: Whose equal orders are one job: a key's id; empty: everybody's.
+        subject: The person who was scanned: id or name of the key's subject, which is created if it is new; empty: that
+            of the job whose result is read, or none.
     """
 
     name: str = ""
@@ -33,6 +35,7 @@ class JobTerms:
     key: str = ""
     quota: int = 0
     realm: str = ""
+    subject: str = ""
 
     def complete(self, name: str) -> JobTerms:
         """Return the terms with a name if none was given, and a nonce if a new job is forced."""

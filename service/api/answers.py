@@ -7,7 +7,8 @@ from typing import Any, Literal, get_type_hints
 
 from pydantic import BaseModel, ConfigDict, Field, create_model
 
-from .. import records
+from .. import records, subject_records
+from ..batch_records import Batch
 from ..catalogue import Template
 from ..records import Artifact, get_json_name
 from ..share_records import Share as ShareRecord
@@ -33,6 +34,8 @@ def _make_model(record: type) -> Any:
 Brief: Any = _make_model(records.Job)
 Job: Any = _make_model(records.JobReport)
 Key: Any = _make_model(records.Key)
+Subject: Any = _make_model(subject_records.Subject)
+SubjectReport: Any = _make_model(subject_records.SubjectReport)
 
 
 class Place(Answer):
@@ -241,6 +244,18 @@ class Webhooks(Answer):
     """List webhooks."""
 
     webhooks: list[Webhook]
+
+
+class Subjects(Answer):
+    """List subjects."""
+
+    subjects: list[Subject]
+
+
+class Batches(Answer):
+    """List batches."""
+
+    batches: list[Batch]
 
 
 class Pair(Answer):

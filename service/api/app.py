@@ -36,6 +36,8 @@ from . import (
     renaming,
     results,
     shares,
+    subjects,
+    tagged,
     templates,
     uploads,
     webhooks,
@@ -88,7 +90,7 @@ def make_app(
     database, times = open_database(settings), RequestTimes()
     size = StoreSize(database, settings)
     app.state.rooms = AppState(settings, database, store, limits, token, meter, calls, lanes, times, size)
-    libraries = (match, patterns, templates, materials, keys, persons, webhooks, shares)
+    libraries = (match, patterns, templates, materials, keys, persons, webhooks, shares, subjects, tagged)
     for module in (uploads, inspection, batches, jobs, renaming, labels, events, results, questions, *libraries):
         app.include_router(module.router, prefix="/v1", dependencies=[Depends(refuse_unknown), Depends(refuse_text)])
     app.include_router(health.router)

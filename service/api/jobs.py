@@ -51,7 +51,7 @@ EXAMPLE = {
     "stage_seconds": {"drape": 12.3}, "cpu_seconds": 71.2, "peak_mb": 900.0, "kind": "recover",
     "family": "3685ecfd4f81", "parent": None, "children": [],
     "inputs": {}, "waits": [], "tags": ["spring"], "details": {}, "delay": None,
-    "redrape": {"state": "done", "job": None, "code": None},
+    "redrape": {"state": "done", "job": None, "code": None}, "subject": "Anna Müller",
 }  # fmt: skip
 UPLOADED_AS = {"body": "bodies", "motion": "motions", "pattern": "patterns"}
 """Kind of upload of each file field of a derived job; other fields accept any upload."""
@@ -61,7 +61,7 @@ VERSION = {
     "verdict": "pass", "created": 1795250100.0,
 }  # fmt: skip
 DELETED = {"jobs": ["3685ecfd4f81"], "uploads": 0, "files": 7, "size": 2048000, "young": 0}
-LATER_REQUEST_FIELDS = ("given_as", "wearing", "marks", "parts", "over")
+LATER_REQUEST_FIELDS = ("given_as", "wearing", "marks", "parts", "over", "subject")
 """Fields of a request that later versions added: while empty, they are left out of its fingerprint."""
 
 Words = Annotated[Text | None, Query(max_length=255)]
@@ -111,6 +111,7 @@ class JobFilter:
     family: Words = None
     parent: Words = None
     tag: Words = None
+    subject: Words = None
 
     @property
     def chosen(self) -> dict[str, str]:
@@ -276,6 +277,7 @@ def _read_terms(rooms: AppState, caller: Caller, payload: JobIn | DerivedIn) -> 
         priority=payload.priority,
         queue=payload.queue,
         force=payload.force,
+        subject=payload.subject or "",
     )
 
 

@@ -25,6 +25,8 @@ TemplateName = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_.-]{0
 FabricName = TemplateName
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Tag = Annotated[str, StringConstraints(min_length=1, max_length=64, pattern=r"^[^\x00-\x1f\x7f]*$")]
+Name = Annotated[str, StringConstraints(min_length=1, max_length=255, pattern=r"^[^\x00-\x1f\x7f]+$")]
+SUBJECT = "Id or name of the person who was scanned; a new name creates a subject."
 MAX_RANDOM_SEED = 2**31 - 1
 """Largest number for a seed: the largest integer of every client."""
 WORDS = tuple(part.word for part in GARMENTS)
@@ -114,6 +116,7 @@ class JobIn(BaseModel):
                 "body": "builtin:female,height=1.70",
                 "template": "skirt",
                 "settings": {"quality": "preview", "fabric": "denim"},
+                "subject": "Anna Müller",
             }
         },
     )
@@ -132,6 +135,7 @@ class JobIn(BaseModel):
     force: bool = False
     name: Text = Field("", description="Name of the family; by default the scan's name.")
     tags: list[Tag] = Field(default=[], max_length=20, description="Words by which it can be found.")
+    subject: Name | None = Field(None, description=SUBJECT)
     check: bool = Field(False, description="Read the files before the job is queued, and refuse unusable ones.")
 
 
@@ -162,6 +166,7 @@ class DerivedIn(BaseModel):
     force: bool = False
     name: Text = Field("", description="Name of the job; by default that of the result's job.")
     tags: list[Tag] = Field(default=[], max_length=20, description="Words by which it can be found.")
+    subject: Name | None = Field(None, description=SUBJECT)
 
 
 class RenamingIn(BaseModel):
@@ -315,3 +320,36 @@ class KeyIn(BaseModel):
     quota: int = Field(100, ge=1, le=1_000_000)
     priority: int = Field(0, ge=0, le=100, description="Highest priority that its jobs may have.")
     days: float | None = Field(None, gt=0, le=36500, description="Time until it expires [d]; null: never.")
+
+
+Time = Annotated[float, Field(ge=0.0, lt=1e11, allow_inf_nan=False)]
+
+
+class SubjectIn(BaseModel):
+    """Describe a person who was scanned; times in s since 1970."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        json_schema_extra={
+            "example": {
+                "name": "Anna Müller", "note": "customer 4711", "consented": 1795219200.0,
+                "consent": "form 2026-11-22, folder A", "keep_days": 90,
+            }
+        },
+    )  # fmt: skip
+    name: Name
+    note: Annotated[str, StringConstraints(max_length=10_000)] = ""
+    consented: Time | None = Field(None, description="When the person agreed to be scanned; null: unknown.")
+    consent: Text = Field("", description="Where that is written: a reference, or the text itself.")
+    consent_until: Time | None = Field(None, description="Until when the person agreed; null: without end.")
+    keep_days: float | None = Field(
+        None, gt=0, le=36500, description="Days after the end of its newest job after which all its data are deleted."
+    )
+    keep_until: Time | None = Field(None, description="When all its data are deleted at the latest.")
+
+
+class SubjectJobsIn(BaseModel):
+    """List the jobs that are to be a subject's."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_extra={"example": {"jobs": ["3685ecfd4f81"]}})
+    jobs: list[JobId] = Field(min_length=1, max_length=MAX_JOBS_PER_REQUEST)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import garmentq
@@ -28,6 +29,7 @@ from garmentq.service.models import ArtifactRow
 from garmentq.service.order import Order
 from garmentq.service.query import JobQuery
 from garmentq.service.results import ResultMissing, store_result
+from garmentq.service.subject_records import SubjectFields
 from sqlalchemy import delete
 
 NO_METHOD = {
@@ -129,6 +131,12 @@ def ask_everything(service: Client, finished: str, folder: Path, settings) -> No
         error = service.test_webhook(hook.id).error
     assert error and [(one.id, one.error) for one in service.list_webhooks()] == [(hook.id, error)]
     service.delete_webhook(hook.id)
+    anna = service.create_subject(SubjectFields("Anna"))
+    service.update_subject(anna.id, replace(anna.said, note="x")), service.assign_jobs(anna.id, [finished])
+    assert [one.id for one in service.list_subjects()] == [service.find_subject("Anna").id] == [anna.id]
+    service.delete_subject(anna.id, dry_run=True)
+    assert service.list_batches() == []
+    refused(service.find_batch, "nosuch")
     refused(service.find_person, "nobody"), refused(service.delete_person, "nobody", True)
     service.list_materials(), service.read_material("denim"), service.import_materials(folder / "fabric.json")
     service.delete_material("mine")

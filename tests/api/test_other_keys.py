@@ -28,6 +28,8 @@ NOBODY = {
     "share": "0123456789ab",
     "name": "Nemo",
     "key": "0123456789ab",
+    "subject": "0123456789ab",
+    "tag": "nobody",
 }
 """An id of each kind that nothing has, and as long as those that something has."""
 
@@ -37,6 +39,8 @@ PASSING = ("date", "x-request-id", "set-cookie")
 FREE = replace(LIMITS, requests_per_second=1e6, burst=10**6)
 BODIES = {
     "POST /v1/jobs/{job}/labels": {"points": "cd" * 32},
+    "PUT /v1/subjects/{subject}": {"name": "Berta"},
+    "POST /v1/subjects/{subject}/jobs": {"jobs": ["JOB"]},
     "POST /v1/jobs/states": {"jobs": ["JOB"], "below": True},
 }
 
@@ -55,7 +59,7 @@ def theirs(client, settings, database, store, tmp_path):
     row = find_job(database, done)
     request = pack_request(PersonRequest(FileRef(row.scan, "skirt.ply")))
     with database.write() as session:
-        terms = JobTerms("Anna", key=find_owner(session, "theirs"), quota=9)
+        terms = JobTerms("Anna", ("theirs",), key=find_owner(session, "theirs"), quota=9)
         wanted = JobRequest("person", request, row.scan, terms=terms)
         person = add_job(session, wanted).job
     hook = client.post("/v1/webhooks", json={"url": "https://studio.example/"}, headers=header).json()["webhook"]
@@ -66,6 +70,8 @@ def theirs(client, settings, database, store, tmp_path):
         "sha256": upload(client, 0.7, headers=header),
         "webhook": hook,
         "name": "Anna",
+        "subject": client.post("/v1/subjects", json={"name": "Anna"}, headers=header).json()["subject"],
+        "tag": "theirs",
     }
 
 

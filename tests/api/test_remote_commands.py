@@ -100,7 +100,7 @@ def test_every_command_works_or_says_why_not(remote, cli, settings):
     asked = {
         "run", "submit", "status", "logs", "result", "export", "query", "cancel", "retry", "templates", "materials",
         "keys", "doctor", "dress", "refit", "refine", "edit", "animate", "match", "sizes", "measure", "webhooks",
-        "share", "rename",
+            "share", "rename", "subjects",
     }  # fmt: skip
     files_only = {"inspect", "segment", "bodies", "bench", "completion", "man"}  # of this machine, as they are
     assert asked | files_only | set(LOCAL_COMMANDS) == set(COMMANDS) and not (asked | files_only) & set(LOCAL_COMMANDS)

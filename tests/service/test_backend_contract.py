@@ -32,6 +32,8 @@ from garmentq.service.query import JobQuery
 from garmentq.service.records import Job, JobReport
 from garmentq.service.remote import RemoteBackend
 from garmentq.service.states import State
+from garmentq.service.subject_records import SubjectFields
+from garmentq.service.terms import JobTerms
 
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "api"))
@@ -104,7 +106,8 @@ def test_equal_records(local, remote, order, settings, database, store, tmp_path
     report(database, held, records.Progress("drape", 0.123456789, "half \u00fcber", 0.256789, 61.23))
     fail(database, held, "scan.x", "bad", bad_input=True)
     built_in = Order(order.scan, BuiltinWearer("builtin:female,height=1.70"))
-    queued = local.submit(built_in).job
+    queued = local.submit(replace(built_in, terms=JobTerms(tags=("spring/1",), subject="\u00c4nne"))).job
+    local.create_subject(SubjectFields("Bo", "note", 1.5, "form", 2.5, 90.0, 3.5))
     with database.write() as session:
         asked = [ChildRequest("\u00c4rmel", "recover", find_job(database, done).request)]
         (child,) = make_children(session, done, asked).values()
@@ -125,6 +128,13 @@ def test_equal_records(local, remote, order, settings, database, store, tmp_path
         *(lambda backend, job=job: backend.poll_events(job) for job in ids),
         lambda backend: backend.poll_events(failed, backend.poll_events(failed).events[1].id),
         lambda backend: backend.read_queue(),
+        lambda backend: backend.list_subjects(),
+        lambda backend: backend.list_subjects("Bo", 1),
+        lambda backend: backend.find_subject("\u00c4nne"),
+        lambda backend: backend.delete_subject("\u00c4nne", dry_run=True),
+        lambda backend: backend.find_jobs(JobQuery({"subject": "\u00c4nne"})),
+        lambda backend: backend.list_batches(),
+        lambda backend: backend.find_batch("spring/1"),
         lambda backend: backend.list_artifacts(done),
         lambda backend: backend.list_artifacts(queued),
         lambda backend: backend.list_templates(),

@@ -12,6 +12,7 @@ from alembic.autogenerate import compare_metadata
 from alembic.config import Config
 from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
+from garmentq.service.batches import find_batch, list_batches
 from garmentq.service.database import (
     Database,
     DatabaseTooNew,
@@ -21,7 +22,7 @@ from garmentq.service.database import (
     read_revision,
     upgrade,
 )
-from garmentq.service.models import Base, JobFileRow, JobRow, MaterialRow, ScanRow
+from garmentq.service.models import ApiKeyRow, Base, JobFileRow, JobRow, JobTagRow, MaterialRow, OwnerRow, ScanRow
 from garmentq.service.settings import ServiceSettingBad
 from garmentq.service.states import State
 from garmentq_home import drop_database, drop_tables, make_database, make_settings
@@ -224,3 +225,34 @@ def test_no_postgres_behind_an_address_is_one_clear_error():
     with pytest.raises(DatabaseUnreachable) as caught, opened.read() as session:
         session.execute(text("select 1"))
     assert "secret" not in caught.value.message
+
+
+def test_tags_from_before_batches_are_batches(database):
+    """Broken where the jobs of an old database, in whatever state and of whatever key, are in no batch, or go back."""
+    from alembic import command
+
+    config = Config()
+    config.set_main_option("script_location", str(Path(migrations.__file__).parent))
+    with database.write() as session:
+        config.attributes["connection"] = session.connection()
+        command.downgrade(config, "0016")
+        session.execute(insert(ScanRow).values(sha256="s", name="s", size=1, created=0.0, details={}))
+        key = {"id": "k", "name": "k", "hash": "h", "scopes": [], "quota": 1, "created": 0.0}
+        session.execute(insert(ApiKeyRow).values(key))
+        for number, state in enumerate(State):
+            row = {"id": state.value, "dedup": state.value, "family": state.value, "state": state, "scan": "s"}
+            row |= {"name": "s", "request": {}, "version": "1", "touched": 0.0, "created": float(number)}
+            session.execute(insert(JobRow).values(row))
+            session.execute(insert(JobTagRow).values(job=state.value, tag="march"))
+            if state == State.SUCCEEDED:
+                session.execute(insert(JobTagRow).values(job=state.value, tag="own"))
+                session.execute(insert(OwnerRow).values(key="k", job=state.value))
+    upgrade(database)
+    assert [one.tag for one in list_batches(database)] == ["march", "own"]
+    assert {one.tag: one.jobs for one in list_batches(database, owner="k")} == {"march": 1, "own": 1}
+    assert find_batch(database, "march").states == dict.fromkeys(State, 1)
+    with database.write() as session:
+        config.attributes["connection"] = session.connection()
+        command.downgrade(config, "0016")
+        assert session.scalar(text("select count(*) from jobs")) == len(State)
+    upgrade(database)
