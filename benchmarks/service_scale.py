@@ -12,14 +12,18 @@ import argparse
 import resource
 import time
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
+from garmentq.service.batches import find_batch, list_batches
 from garmentq.service.database import Database, open_database
 from garmentq.service.deletion import delete_jobs
+from garmentq.service.garbage import find_all_references
 from garmentq.service.keys import create_key
 from garmentq.service.metrics import prometheus_text
 from garmentq.service.models import (
     ArtifactRow,
+    BatchRow,
     JobFileRow,
     JobRow,
     JobTagRow,
@@ -28,19 +32,23 @@ from garmentq.service.models import (
     OwnerRow,
     PatternRow,
     ScanRow,
+    SubjectJobRow,
+    SubjectRow,
     UploadRow,
 )
-from garmentq.service.persons import delete_person
+from garmentq.service.persons import delete_person, delete_subject
 from garmentq.service.query import count_states, find_jobs, find_roots, list_jobs, parse_conditions
 from garmentq.service.results import report_jobs
+from garmentq.service.retention import find_expired
 from garmentq.service.store import Store
 from garmentq.service.store_size import sum_store_size
+from garmentq.service.subjects import find_subject, list_subjects
 from service_load import METRICS, fresh_settings
 from sqlalchemy import insert, text
 
 JOBS_AT_ONCE = 2000
 FILES_PER_JOB = 8
-JOBS_PER_SUBJECT = 20
+JOBS_PER_SUBJECT, BATCH_SIZE = 20, 100
 
 GARMENTS = ("skirt", "tshirt", "trousers", "dress")
 FABRICS = ("denim", "cotton_poplin", "interlock_knit")
@@ -48,7 +56,10 @@ FABRICS = ("denim", "cotton_poplin", "interlock_knit")
 LISTS = (
     ("", "-created"), ("state = failed", "-created"), ("kind = recover", "-created"), ("name = subject7", "-created"),
     ("garment = skirt", "-created"), ("fabric = denim", "-created"), ("method = deform", "-created"),
-    ("template = t", "-created"), ("tag != x", "-created"), ("tag = march", "-created"), ("verdict = fail", "-created"),
+    ("template = t", "-created"), ("tag != x", "-created"), ("tag = march", "-created"),
+    ("subject = subject9", "-created"),
+    ("subject = subject9", "name"),
+    ("verdict = fail", "-created"),
     ("surface_rms_mm.t2s < 4", "-created"), ("surface_rms_mm.t2s < 0.01", "surface_rms_mm.t2s"),
     ("garment = skirt and surface_rms_mm.t2s < 4", "-created"), ("", "-method"), ("", "error"), ("", "fabric"),
     ("", "name"), ("", "-cpu_seconds"), ("", "hausdorff_mm"), ("", "state"), ("", "finished"),
@@ -64,6 +75,13 @@ def fill_table(database: Database, count: int, key: str) -> None:
         session.execute(
             insert(MaterialRow), [{"id": n, "name": n, "title": "", "sources": [], **fabric} for n in FABRICS]
         )
+        people = range(-(-count // JOBS_PER_SUBJECT))
+        session.execute(insert(SubjectRow), [describe_subject(number, key) for number in people])
+        session.execute(insert(BatchRow), [{"key": key, "tag": tag, "latest": 1.0} for tag in ("march", "april")])
+        session.execute(
+            insert(BatchRow),
+            [{"key": key, "tag": f"batch{n}", "latest": 2.0 + n} for n in range(-(-count // BATCH_SIZE))],
+        )
     for begin in range(0, count, JOBS_AT_ONCE):
         numbers = range(begin, min(begin + JOBS_AT_ONCE, count))
         with database.write() as session:
@@ -75,7 +93,18 @@ def _describe(numbers: range, key: str, rng: np.random.Generator) -> dict[type, 
     """Return the rows of some jobs by table."""
     rows: dict[type, list[dict[str, object]]] = {
         table: []
-        for table in (ScanRow, JobRow, JobFileRow, OwnerRow, JobTagRow, PatternRow, MetricRow, ArtifactRow, UploadRow)
+        for table in (
+            ScanRow,
+            JobRow,
+            JobFileRow,
+            OwnerRow,
+            JobTagRow,
+            PatternRow,
+            MetricRow,
+            ArtifactRow,
+            UploadRow,
+            SubjectJobRow,
+        )
     }
     for n in numbers:
         job, scan, is_failed = f"{n:012x}", f"{n:064x}", n % 100 == 0
@@ -95,6 +124,8 @@ def _describe(numbers: range, key: str, rng: np.random.Generator) -> dict[type, 
         rows[JobFileRow].append({"job": job, "sha256": scan})
         rows[OwnerRow].append({"key": key, "job": job})
         rows[JobTagRow].append({"job": job, "tag": "march" if n % 50 == 0 else "april"})
+        rows[JobTagRow].append({"job": job, "tag": f"batch{n // BATCH_SIZE}"})
+        rows[SubjectJobRow].append({"job": job, "subject": f"{n // JOBS_PER_SUBJECT:012x}"})
         rows[PatternRow].append(
             {"job": job, "name": "p", "category": garment, "template": "t", "material": fabric, "seams": 1}
         )
@@ -105,6 +136,13 @@ def _describe(numbers: range, key: str, rng: np.random.Generator) -> dict[type, 
             for i in range(FILES_PER_JOB)
         ]  # fmt: skip
     return rows
+
+
+def describe_subject(number: int, key: str) -> dict[str, object]:
+    """Return the row of a subject, every second with a retention that is not over."""
+    name, days = f"subject{number}", 36_500.0 if number % 2 else None
+    times = {"created": float(number), "consented": 0.0, "consent_until": None, "keep_until": None}
+    return {"id": f"{number:012x}", "key": key, "name": name, "note": "", "consent": "", "keep_days": days, **times}
 
 
 def measure(what: str, ask: Callable[[], object], times: int = 3) -> None:
@@ -140,6 +178,16 @@ def main() -> None:
                     database, find_jobs(database, asked, by, 50, key), settings
                 ),
             )
+        measure("page of subjects", lambda: list_subjects(database, key=key))
+        measure("a subject of 20 jobs shown", lambda: find_subject(database, "subject9", key))
+        measure("page of 50 batches of 100 jobs", lambda: list_batches(database, 50, "", key))
+        measure("page of all batches, of an administrator", lambda: list_batches(database, 50))
+        measure("a batch of 100 jobs", lambda: find_batch(database, "batch7", key))
+        measure("a batch of nearly all jobs", lambda: find_batch(database, "april", key))
+        measure("a batch of nearly all jobs, of an administrator", lambda: find_batch(database, "april"))
+        kept = replace(settings, keep_days=36_500.0, keep_tag_days="march=36500,april=36500")
+        measure("what retention has ended", lambda: find_expired(database, kept))
+        measure("all files that rows name", lambda: find_all_references(database))
         measure("page of families", lambda: find_roots(database, (), 50, key))
         measure("status", lambda: (count_states(database), list_jobs(database)))
         measure("metrics", lambda: prometheus_text(database))
@@ -147,7 +195,8 @@ def main() -> None:
         last = iter(range(given.jobs - 1, 0, -1))
         measure("a job deleted", lambda: delete_jobs(database, store, [f"{next(last):012x}"], key), 5)
         subject = iter(range(7, 100))
-        measure("a subject of 20 jobs deleted", lambda: delete_person(database, store, f"subject{next(subject)}", key))
+        measure("a person of 20 jobs deleted", lambda: delete_person(database, store, f"subject{next(subject)}", key))
+        measure("a subject of 20 jobs deleted", lambda: delete_subject(database, store, f"subject{next(subject)}", key))
         print(f"| peak memory of this process, MB | {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} |")
         database.dispose()
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from .options import json_option, known_home_option
+from .options import gather, json_option, known_home_option
 
 if TYPE_CHECKING:
     from ..service.deletion import Deleted
@@ -18,54 +20,80 @@ if TYPE_CHECKING:
 UNITS = {"h": 3600.0, "d": 86400.0, "w": 7 * 86400.0}
 
 
+@dataclass(frozen=True)
+class DeletionOptions:
+    """Describe what is deleted; each field is the option of its name."""
+
+    older_than: str | None
+    batch: str | None
+    subject: str | None
+    family: str | None
+    person: str | None
+
+
+deletion_options = gather(
+    DeletionOptions,
+    [
+        click.option("--older-than", metavar="90d", help="All that ended longer ago than this, in h, d or w."),
+        click.option("--batch", "--tag", "batch", help="All jobs with this tag."),
+        click.option("--subject", metavar="NAME", help="This person, with scans, jobs and everything made of them."),
+        click.option("--family", metavar="JOB", help="All jobs of this job's family."),
+        click.option("--person", metavar="NAME", help="The same, also found by the name of a job, scan or upload."),
+    ],
+)
+
+
 @click.command("delete")
 @click.argument("jobs", nargs=-1, metavar="[JOB...]")
-@click.option("--older-than", metavar="90d", help="All that ended longer ago than this, in h, d or w.")
-@click.option("--person", metavar="NAME", help="Scans and uploads of exactly this name, and everything made of them.")
+@deletion_options
 @click.option("--dry-run", is_flag=True, help="List what would be deleted, and delete nothing.")
 @click.option("--yes", is_flag=True, help="Do not ask for confirmation.")
 @known_home_option
 @json_option
 def command(
-    jobs: tuple[str, ...],
-    older_than: str | None,
-    person: str | None,
-    dry_run: bool,
-    yes: bool,
-    home: Path | None,
-    as_json: bool,
+    jobs: tuple[str, ...], options: DeletionOptions, dry_run: bool, yes: bool, home: Path | None, as_json: bool
 ) -> None:
     """Delete ended jobs with their files.
 
     All jobs below a job are deleted too, and every job that reads its result. Files that no other job names are deleted
-    at once. A person's data is found by the exact name of a job or of a scan or upload (`anna`, or `anna.ply` with its
-    extension), and then by the content of the files under any other name; backups are not changed. With --dry-run
-    everything that would be deleted is listed.
+    at once. A person's data is found by the exact name of a subject, a job, a scan or an upload (`anna`, or `anna.ply`
+    with its extension), and then by the content of the files under any other name; backups are not changed. With
+    --dry-run everything that would be deleted is listed.
 
     \b
     Example:
       garmentq delete 3685ecfd4f81
       garmentq delete --older-than 90d
+      garmentq delete --batch 2026-11
       garmentq delete --person anna --dry-run
     """
     from dataclasses import asdict
 
-    from ..service.deletion import delete_jobs, find_dependent_jobs, find_old_families
+    from ..service.deletion import delete_jobs, find_dependent_jobs, find_old_families, find_tagged_families
     from ..service.jobs import find_job
-    from ..service.persons import delete_person, describe_jobs, find_person
+    from ..service.persons import delete_person, delete_subject, describe_jobs
     from ..service.services import open_services
     from ..service.settings import read_settings
     from .terminal import print_json, print_note
 
-    if sum((bool(jobs), older_than is not None, person is not None)) != 1:
-        raise click.UsageError("Give jobs, --older-than or --person.")
+    if sum((bool(jobs), *(value is not None for value in asdict(options).values()))) != 1:
+        raise click.UsageError("Give jobs, --older-than, --batch, --subject, --family or --person.")
     services = open_services(read_settings(home=home))
     database, store = services.database, services.store
     try:
-        found = None if person is None else find_person(database, person)
+        erase = None
+        if options.person is not None:
+            erase = partial(delete_person, database, store, options.person)
+        elif options.subject is not None:
+            erase = partial(delete_subject, database, store, options.subject)
+        found = None if erase is None else erase(is_dry_run=True).found
         chosen = [find_job(database, job).id for job in jobs]
-        if older_than is not None:
-            chosen = find_old_families(database, _seconds(older_than))
+        if options.family is not None:
+            chosen = [find_job(database, options.family).family]
+        elif options.batch is not None:
+            chosen = find_tagged_families(database, options.batch)
+        elif options.older_than is not None:
+            chosen = find_old_families(database, _seconds(options.older_than))
         if found is None and not chosen:
             print_note("nothing to delete")
             return
@@ -78,7 +106,7 @@ def command(
             return
         if not yes:
             click.confirm("Delete all of these? This cannot be undone.", abort=True, err=True)
-        done = delete_jobs(database, store, chosen) if person is None else delete_person(database, store, person)
+        done = delete_jobs(database, store, chosen) if erase is None else erase()
     finally:
         database.dispose()
     if as_json:

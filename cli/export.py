@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -11,12 +12,15 @@ import click
 
 from ..core.deliver.formats.registry import DIALECTS, FORMATS
 from ..core.run.errors import GarmentqError
-from .export_folders import find_garments, find_tagged
+from .export_folders import find_chosen, find_garments, prefix_files
 from .options import Decorator, gather, json_option, known_home_option, out_option, timeout_option, workers_option
 from .output import writing
 
 if TYPE_CHECKING:
     from ..service.backend import Backend
+
+JOB_ID = re.compile(r"[0-9a-f]{4,16}")
+"""Form of a job's id, or of its beginning."""
 
 MAX_EXPORT_TABLE_SIZE = 1 << 20
 """Largest size of a table of allowances or sizes [bytes]."""
@@ -62,7 +66,9 @@ def production_options(function: Callable[..., Any]) -> Callable[..., Any]:
 @click.command("export")
 @click.argument("job", required=False)
 @click.argument("names", nargs=-1)
-@click.option("--tag", help="All recovered garments with this tag, each into a folder of its own.")
+@click.option("--batch", "--tag", "tag", help="All recovered garments with this tag, each into a folder of its own.")
+@click.option("--subject", help="All of this person.")
+@click.option("--family", metavar="JOB", help="All of this job's family.")
 @click.option("--as", "form", type=click.Choice(tuple(FORMATS)), help="Write the garment in another format.")
 @production_options
 @click.pass_context
@@ -71,14 +77,17 @@ def command(
     job: str | None,
     names: tuple[str, ...],
     tag: str | None,
+    subject: str | None,
+    family: str | None,
     form: str | None,
     production: ProductionOptions,
 ) -> None:
     """Copy a job's files into a folder, or write its garment in another format.
 
     Without --as: all stored files, or only those named; every copy is checked against its hash. With --as a job of kind
-    `export` writes the files; the command waits for it and copies them. Prints the paths. With --tag, or with --as and
-    a person's job, each garment goes into a folder NAME_GARMENT; one that cannot be written does not stop the others.
+    `export` writes the files; the command waits for it and copies them. Prints the paths. With --batch, --subject or
+    --family, or with --as and a person's job, each garment goes into a folder PERSON_GARMENT, and a single or named
+    file has that in front of its name; a garment that cannot be written does not stop the others.
 
     \b
     Example:
@@ -86,31 +95,56 @@ def command(
       garmentq export 3685ecfd4f81 --as pdf --paper a4 --allowance seam=10,hem=30
       garmentq export 3685ecfd4f81 --as dxf --dialect clo --fold --out for_clo
       garmentq export 3685ecfd4f81 --as texture --out print
-      garmentq export --tag 2026-11 --as pdf --out patterns
+      garmentq export --batch 2026-11 --as pdf --out patterns
+      garmentq export --subject 'Anna Mueller' --out anna
     """
     from ..service.backend import open_backend
     from ..service.settings import read_settings
 
-    if (job is None) == (tag is None):
-        raise click.UsageError("give a job, or --tag TAG.")
+    chosen = {name: value for name, value in (("tag", tag), ("subject", subject), ("family", family)) if value}
+    if chosen and job is not None and not JOB_ID.fullmatch(job):  # the first word is a file's name then
+        names, job = (job, *names), None
+    if (job is None) != bool(chosen) or len(chosen) > 1:
+        raise click.UsageError("give a job, or one of --batch, --subject and --family.")
     if form is not None:
         if names:
             raise click.UsageError("give names of stored files, or --as FORMAT, not both.")
         options = {"format": form, **read_options(production)}
-        context.exit(_write_all(job, tag, options, production))
+        context.exit(_write_all(job, chosen, options, production))
     if any((production.dialect, production.allowance, production.paper, production.fold, production.texel)):
         raise click.UsageError("--dialect, --allowance, --paper, --fold and --texel go with --as FORMAT.")
     backend = open_backend(read_settings(home=production.home))
     if job is None:
-        for folder, garment in find_tagged(backend, tag or "").items():
-            own = replace(production, out=production.out / folder)
-            _print_paths(garment, _copy(backend, garment, own, names), production.as_json)
-        return
+        context.exit(_copy_all(backend, chosen, production, names))
     found = backend.find_job(job)
     _print_paths(found.id, _copy(backend, found.id, production, names), production.as_json)
 
 
-def _write_all(job: str | None, tag: str | None, options: Mapping[str, Any], production: ProductionOptions) -> int:
+def _copy_all(backend: Backend, chosen: Mapping[str, str], production: ProductionOptions, names: Sequence[str]) -> int:
+    """Copy the files of each garment that is meant; return the worst exit status."""
+    from . import exits
+    from .terminal import print_error
+
+    statuses: list[int] = []
+    for folder, garment in find_chosen(backend, _complete(backend, chosen)).items():
+        try:
+            paths = _copy(backend, garment, replace(production, out=production.out / folder), names)
+            _print_paths(garment, prefix_files(folder, paths) if names else paths, production.as_json)
+        except GarmentqError as error:
+            print_error(error.code, f"{folder}: {error}")
+            statuses.append(exits.error_status(error))
+    return exits.worst(statuses)
+
+
+def _complete(backend: Backend, chosen: Mapping[str, str]) -> dict[str, str]:
+    """Return the fields of the jobs that are meant, with the family of the job that is named."""
+    family = {"family": backend.find_job(chosen["family"]).family} if "family" in chosen else {}
+    return {**chosen, **family}
+
+
+def _write_all(
+    job: str | None, chosen: Mapping[str, str], options: Mapping[str, Any], production: ProductionOptions
+) -> int:
     """Write each garment that is meant in another format; return the worst exit status."""
     from ..service.backend import open_backend
     from ..service.settings import read_settings
@@ -118,13 +152,16 @@ def _write_all(job: str | None, tag: str | None, options: Mapping[str, Any], pro
     from .terminal import print_error
 
     backend = open_backend(read_settings(home=production.home))
-    found = find_tagged(backend, tag or "") if job is None else find_garments(backend, backend.find_job(job))
+    if job is None:
+        found = find_chosen(backend, _complete(backend, chosen))
+    else:
+        found = find_garments(backend, backend.find_job(job))
     if job is not None and len(found) < 2:
         return write_production(job, options, production)
     statuses: list[int] = []
     for folder, garment in found.items():
         try:
-            own = write_production(garment, options, replace(production, out=production.out / folder))
+            own = write_production(garment, options, replace(production, out=production.out / folder), folder)
         except GarmentqError as error:
             print_error(error.code, f"{folder}: {error}")
             own = exits.error_status(error)
@@ -160,8 +197,11 @@ def read_table(text: str) -> str:
         raise click.UsageError(f"'{text[:60]}' cannot be read as text.") from error
 
 
-def write_production(job: str, options: Mapping[str, Any], production: ProductionOptions) -> int:
-    """Queue an export, wait for it, copy its files, print the paths, and return the exit status."""
+def write_production(job: str, options: Mapping[str, Any], production: ProductionOptions, prefix: str = "") -> int:
+    """Queue an export, wait for it, copy its files, print the paths, and return the exit status.
+
+    A single file gets the prefix; several may name each other.
+    """
     from ..service.backend import open_backend
     from ..service.derived import DerivedOrder
     from ..service.settings import read_settings
@@ -189,7 +229,9 @@ def write_production(job: str, options: Mapping[str, Any], production: Productio
     if report.error:
         print_error(report.error.code, report.error.message)
     if report.state == State.SUCCEEDED:
-        _print_paths(done.job, _copy(backend, done.job, production), production.as_json)
+        paths = _copy(backend, done.job, production)
+        paths = prefix_files(prefix, paths) if prefix and len(paths) == 1 else paths
+        _print_paths(done.job, paths, production.as_json)
     return exits.job_status(report, False)
 
 

@@ -54,10 +54,11 @@ query_options = gather(
 
 @click.command("query")
 @query_options
-@click.option("--csv", "as_csv", is_flag=True, help="Print a table for a spreadsheet, with every metric.")
+@click.option("--csv", "as_csv", is_flag=True, help="Print a table for a spreadsheet, with times as in ISO 8601.")
+@click.option("--columns", metavar="all|NAME,NAME", help="Columns of that table: all, or fields and metrics by name.")
 @known_home_option
 @json_option
-def command(options: QueryOptions, as_csv: bool, home: Path | None, as_json: bool) -> None:
+def command(options: QueryOptions, as_csv: bool, columns: str | None, home: Path | None, as_json: bool) -> None:
     """Search completed jobs by their results.
 
     Names are the fields job, name, kind, family, parent, tag, subject, state, version, error, garment, template,
@@ -67,22 +68,26 @@ def command(options: QueryOptions, as_csv: bool, home: Path | None, as_json: boo
     \b
     Example:
       garmentq query --garment skirt --where 'surface_rms_mm.t2s < 4' --sort -created --json
+      garmentq query --batch 2026-11 --csv
     """
     from ..service.backend import open_backend
     from ..service.query import JobQuery
     from ..service.settings import read_settings
-    from .summary import flatten
+    from .query_table import tabulate
     from .terminal import print_csv, print_json, print_note, print_table, show_time
 
     fields = {name: value for name in OPTION_FIELDS if (value := getattr(options, name)) is not None}
     query = JobQuery(fields, options.wheres, options.sort, options.limit)
-    found = open_backend(read_settings(home=home)).find_jobs(query)
+    if columns is not None and not as_csv:
+        raise click.UsageError("--columns is for --csv.")
+    backend = open_backend(read_settings(home=home))
+    found = backend.find_jobs(query)
     if as_json:
         for job in found:
             print_json(job.as_json())
         return
     if as_csv:
-        print_csv(*flatten(found))
+        print_csv(*tabulate(backend, found, columns))
         return
     if not found:
         print_note("no job matches; `garmentq query` alone lists the newest jobs")

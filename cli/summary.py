@@ -106,17 +106,6 @@ def print_tables(job: JobReport, files: Sequence[Path]) -> None:
         print_table(["file", "path"], [[path.name, str(path)] for path in files])
 
 
-def flatten(found: Sequence[JobReport]) -> tuple[list[str], list[list[object]]]:
-    """Return jobs as columns and rows: one column for each metric that any of them has."""
-    first = (
-        "job", "name", "state", "verdict", "garment", "template", "fabric", "body", "attempts", "created", "finished"
-    )  # fmt: skip
-    metrics = sorted({name for job in found for name in job.metrics})
-    shown = [(job.as_json(), job.metrics) for job in found]
-    rows = [[*(values[name] for name in first), *(known.get(name) for name in metrics)] for values, known in shown]
-    return [*first, *metrics], rows
-
-
 def _describe_count(metrics: Mapping[str, float | None], name: str) -> str:
     value = metrics.get(name)
     return "unknown number of" if value is None else f"{value:.0f}"

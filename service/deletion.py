@@ -16,7 +16,17 @@ from .database import Database, clock
 from .families import JobInUse, JobNotEnded, find_below
 from .families import delete as delete_families
 from .garbage import find_named
-from .models import ArtifactRow, IdempotencyRow, JobFileRow, JobInputRow, JobRow, OwnerRow, ScanRow, UploadRow
+from .models import (
+    ArtifactRow,
+    IdempotencyRow,
+    JobFileRow,
+    JobInputRow,
+    JobRow,
+    JobTagRow,
+    OwnerRow,
+    ScanRow,
+    UploadRow,
+)
 from .records import JsonRecord
 from .states import ENDED
 from .store import ArtifactMissing, Store
@@ -64,6 +74,14 @@ def find_old_families(database: Database, seconds: float) -> list[str]:
     with database.read() as session:
         old = select(JobRow.id).where(JobRow.parent.is_(None), is_old).order_by(JobRow.created, JobRow.id)
         return list(session.scalars(old))
+
+
+def find_tagged_families(database: Database, tag: str) -> list[str]:
+    """Return the roots of the families with a tag, oldest first."""
+    with database.read() as session:
+        tagged = select(JobRow.id).join(JobTagRow, JobTagRow.job == JobRow.id)
+        tagged = tagged.where(JobTagRow.tag == tag, JobRow.parent.is_(None))
+        return list(session.scalars(tagged.order_by(JobRow.created, JobRow.id)))
 
 
 def find_dependent_jobs(database: Database, jobs: Sequence[str]) -> list[str]:

@@ -17,7 +17,7 @@ from .damage import DamagedRow, read_damaged_references
 from .database import Database
 from .model_base import Base
 from .models import JobRow
-from .named_files import HASH, find_hashes
+from .named_files import HASH
 from .store import ArtifactMissing, Store, StoreEntry
 
 FOUND = re.compile(HASH.pattern.encode())
@@ -89,13 +89,10 @@ def find_all_references(database: Database) -> tuple[set[str], tuple[DamagedRow,
 def find_references(session: Session) -> Iterator[str]:
     """Yield every key that a row names: each column `sha256` of any table, scans of jobs, the files of requests.
 
-    Requests are read, although `job_files` names their files, so that a damaged one is met.
+    Each column is read from its index; `job_files` names the files of requests.
     """
     for column in _list_columns():
         yield from session.scalars(select(column).distinct())
-    with session.execute(select(JobRow.request).execution_options(yield_per=1000)) as jobs:
-        for request in jobs.scalars():
-            yield from find_hashes(request)
 
 
 def find_named(session: Session, files: Collection[str]) -> set[str]:

@@ -69,6 +69,9 @@ class ServiceSettings:
             by commas; empty: none. It is checked when a webhook is created and when a message is sent.
         send_messages: 1: workers send webhook messages; 0: they leave it to `garmentq courier`, if they have no
             outgoing network access.
+        keep_days: Days after a family's end after which it is deleted; 0: never.
+        keep_tag_days: The same for families with a tag, `trial=7,2026-11=365`; empty: none. A subject's own retention
+            counts before these, and these before `keep_days`.
         log_json: 1: workers, couriers and the API write their logs as one JSON object a line.
         threads: Threads of each pool child; one, because two children with two threads each took 8 times as long.
         pipeline: Dotted path of the function that runs a recovery.
@@ -97,6 +100,8 @@ class ServiceSettings:
     share_jobs: int = 0
     webhook_networks: str = ""
     send_messages: int = 1
+    keep_days: float = 0.0
+    keep_tag_days: str = ""
     log_json: int = 0
     threads: int = 1
     pipeline: str = PIPELINE
@@ -137,6 +142,21 @@ class ServiceSettings:
         """Return whether the broker is the embedded one."""
         return not self.broker_url
 
+    @property
+    def tag_days(self) -> dict[str, float]:
+        """Return the retention of each tag that has one [d]; infinity for 0: its jobs are never deleted.
+
+        Raises:
+            ServiceSettingBad: if the setting is not `TAG=DAYS,...`.
+        """
+        found: dict[str, float] = {}
+        for part in filter(None, (one.strip() for one in self.keep_tag_days.split(","))):
+            tag, _, text = part.rpartition("=")
+            if not tag or not re.fullmatch(r"\d{1,5}(\.\d+)?", text):
+                raise ServiceSettingBad(f"GARMENTQ_KEEP_TAG_DAYS has '{part[:80]}'; write TAG=DAYS,TAG=DAYS.")
+            found[tag] = float(text) or float("inf")
+        return found
+
     def as_environment(self) -> dict[str, str]:
         """Return the environment variables by which another process reads the same settings."""
         values = {f.name: getattr(self, f.name) for f in fields(self)}
@@ -158,11 +178,12 @@ def read_settings(environment: Mapping[str, str] | None = None, home: Path | str
         text = _find_text(environment, f"GARMENTQ_{item.name.upper()}")
         if text:
             settings = replace(settings, **{item.name: _parse(item.name, text, getattr(settings, item.name))})
+    _ = settings.tag_days  # refused here, and not in a worker's first hour
     chosen = Path(home) if home else settings.home
     return replace(settings, home=chosen.expanduser().absolute())
 
 
-MAY_BE_ZERO = ("idle_seconds", "log_json", "share_jobs", "send_messages", "free_bytes", "job_memory_mb")
+MAY_BE_ZERO = ("idle_seconds", "keep_days", "log_json", "share_jobs", "send_messages", "free_bytes", "job_memory_mb")
 
 
 def _find_text(environment: Mapping[str, str], name: str) -> str:

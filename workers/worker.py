@@ -46,8 +46,10 @@ from ..service.reaper import (
     remove_worker,
     republish_stalled_jobs,
 )
+from ..service.retention import enforce_retention
 from ..service.settings import ServiceSettings
 from ..service.states import QUEUES
+from ..service.stores import open_store
 from ..service.webhooks import forget_messages, has_due
 from .alive import Kept, end_heartbeat, renew_heartbeat
 from .app import CHANNELS, TASK, count_messages, make_app, publish
@@ -69,6 +71,9 @@ ROUNDS_PER_LEASE = 2
 
 IDLE_CHECK_SECONDS = 5.0
 """Longest interval between the checks whether an embedded worker is idle and may stop [s]."""
+
+RETENTION_PAUSE = 5.0
+"""Pause between two deletions while the retention of more families is over [s]: the dispatcher goes on between them."""
 
 FORGET_OLD_SECONDS = 3600.0
 """Interval at which old rows of the audit log and of sent messages are deleted [s]; rows are kept for days."""
@@ -149,6 +154,8 @@ class DispatcherStep(bootsteps.StartStopStep):
         self.clock_guard.note(read_clock(self.database))
         if time.monotonic() - self.last_purge > FORGET_OLD_SECONDS:
             self.last_purge = time.monotonic()
+            if enforce_retention(self.database, open_store(self.settings), self.settings):
+                self.last_purge += RETENTION_PAUSE - FORGET_OLD_SECONDS  # there is more to delete
             forget_accesses(self.database)
             forget_messages(self.database)
             settle_event_counts(self.database)

@@ -268,6 +268,6 @@ def test_status_csv_and_batch(cli, settings, database, queue_job, tmp_path):
     record_heartbeat(database, "host:1", "cpu", 2, 30.0)
     shown = cli("status", "--watch").stdout
     assert "succeeded 1" in shown and "host:1" in shown
-    rows = list(csv.DictReader(io.StringIO(cli("query", "--csv").stdout)))
+    rows = list(csv.DictReader(io.StringIO(cli("query", "--csv", "--columns", "all").stdout)))
     assert [(row["job"], row["name"]) for row in rows] == [(job, "'=cmd()?1")]
     assert float(rows[0]["surface_rms_mm.t2s"]) == 5.0

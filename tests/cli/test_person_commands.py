@@ -124,8 +124,18 @@ def test_all_garments_of_a_person(ask, work, database, tmp_path):
     assert [row["job"] for row in read_rows(ask("query", "--where", "confidence.upper > 0.9", "--json"))] == [root]
     done = ask("export", "--tag", "spring", "--out", out / "march")
     assert done.returncode == 0, done.stderr
-    assert {path.name for path in (out / "march").iterdir()} == {"anna_upper", "anna_lower"}
-    assert (out / "march" / "anna_upper" / "metrics.txt").is_file()
+    folders = {path.name for path in (out / "march").iterdir()}
+    assert folders == {"anna_tshirt", "anna_tshirt_lower"} or folders == {"anna_tshirt", "anna_tshirt_upper"}
+    assert (out / "march" / "anna_tshirt" / "metrics.txt").is_file()
+    named = ask("export", "metrics.txt", "--family", root, "--out", out / "named")
+    assert (out / "named" / "anna_tshirt" / "anna_tshirt_metrics.txt").is_file() and named.returncode == 0, named.stderr
+    assert ask("subjects", "add", "Nobody", root).returncode == 3
+    assert ask("subjects", "create", "Anna M\u00fcller").returncode == 0
+    assert ask("subjects", "add", "Anna M\u00fcller", root).returncode == 0
+    assert ask("export", "--subject", "Anna M\u00fcller", "--out", out / "anna").returncode == 0
+    assert (out / "anna" / "Anna_Mueller_tshirt" / "metrics.txt").is_file()
+    told = ask("status", "--tag", "spring").stdout
+    assert told.startswith("spring: 3 jobs of 1 scans: 3 done; 100 %")
     assert ask("export", "--tag", "nosuch", "--out", out).returncode == 0
     assert ask("export", "--out", out).returncode == ask("export", root, "--tag", "spring").returncode == 2
     nothing = ask("query", "--name", "nobody")
