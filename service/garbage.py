@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from time import time
 from typing import Any
 
-from sqlalchemy import select
+from sqlalchemy import exists, select
 from sqlalchemy.orm import Session
 
-from .columns import RowDamaged
+from .columns import RowDamaged, is_sound
 from .damage import DamagedRow, read_damaged_references
 from .database import Database
 from .model_base import Base
@@ -80,7 +80,8 @@ def collect_garbage(
 def find_all_references(database: Database) -> tuple[set[str], tuple[DamagedRow, ...]]:
     """Return every key that a row names, and the damaged rows, which may name more keys than are legible in them."""
     with suppress(RowDamaged), database.read() as session:
-        return set(find_references(session)), ()
+        if not session.scalar(select(exists().where(~is_sound(JobRow.request)))):
+            return set(find_references(session)), ()
     with database.intact.read() as session:
         left = {key.decode() for remains in read_damaged_references(session) for key in FOUND.findall(remains)}
         return left.union(find_references(session)), tuple(database.find_damaged())
@@ -89,7 +90,7 @@ def find_all_references(database: Database) -> tuple[set[str], tuple[DamagedRow,
 def find_references(session: Session) -> Iterator[str]:
     """Yield every key that a row names: each column `sha256` of any table, scans of jobs, the files of requests.
 
-    Each column is read from its index; `job_files` names the files of requests.
+    Each column is read from its index; `job_files` names the files of requests, which are not read themselves.
     """
     for column in _list_columns():
         yield from session.scalars(select(column).distinct())
