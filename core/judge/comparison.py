@@ -53,7 +53,8 @@ class PanelDifference:
         paired_by: Why they are compared.
         turning: Turning distance [rad], 0 for similar shapes (Arkin et al. 1991).
         area_percent: Excess of the first's area over the second's [%].
-        outline_mm: RMS distance of the outlines after the best rigid fit [mm], the first turned over where that helps.
+        outline_mm: RMS distance of the outlines after the best rigid fit [mm], upright by the grain unless a turned
+            one is better by a third; the first turned over where that helps.
         turned_over: Whether the first is turned over: x becomes -x, before it is moved.
         angle: Rotation of the first in the best fit, counter-clockwise about the origin [rad].
         shift: Translation after that [m].
@@ -167,7 +168,7 @@ def _describe(first: Panel, second: Panel, pairing: Pairing) -> PanelDifference:
     if is_over:
         turning, one = over, mirror_outline(one)
     area = 100.0 * (panel_area(first) / panel_area(second) - 1.0)
-    fit = fit_outline(one, other)
+    fit = fit_outline(one, other, upright=second.grainline + (first.grainline if is_over else -first.grainline))
     rotation, shift = fit.motion.rotation, fit.motion.translation
     angle = float(np.arctan2(rotation[1, 0], rotation[0, 0]))
     names, place = (first.name, second.name), (float(shift[0]), float(shift[1]))
