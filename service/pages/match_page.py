@@ -35,6 +35,7 @@ CONTENT = """<link rel="stylesheet" href="/static/match/match.css">
 <button type="submit" class="primary">Compare</button>
 </form>
 <div id="problem"></div>
+<p id="working" role="status" hidden><progress aria-label="Comparing"></progress> Comparing the patterns.</p>
 <div id="match" hidden>
 <section class="card" aria-labelledby="pieces-title">
 <h2 id="pieces-title">Pieces</h2>

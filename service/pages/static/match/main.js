@@ -51,6 +51,7 @@ async function start(first, second) {
   const partChosen = () => [0, 1].forEach((row) => rows.chosen[row] && pairing.part(row, rows.chosen[row]));
 
   await pairing.propose(new URLSearchParams(location.search).getAll('pair'));
+  find('#working').hidden = true;
   find('#match').hidden = false;
   rows.layOut();
   show();
@@ -84,4 +85,6 @@ function summarise(pairing) {
     + alone.join('');
 }
 
+find('#working').hidden = !(a && b);
 await attempt(() => Promise.all([offerPatterns(problem), a && b ? start(a, b) : null]));
+find('#working').hidden = true;

@@ -37,7 +37,8 @@ function drawRow(pairing, name, index, does) {
   const numbers = pair ? [show(pair.turning, 4), show(pair.area_percent, 2), show(pair.outline_mm, 2)] : ['', '', ''];
   return make('tr', { 'data-first': name, 'data-second': pair?.second ?? '' },
     make('td', {}, swatch, pair ? ` ${index + 1}` : null), make('td', {}, name), make('td', {}, choice),
-    make('td', {}, pair?.paired_by ?? ''), ...numbers.map((text) => make('td.number', {}, text)), make('td', {}, look ?? null));
+    make('td', { 'data-head': HEADS[3] }, pair?.paired_by ?? ''),
+    ...numbers.map((text, n) => make('td.number', { 'data-head': HEADS[4 + n] }, text)), make('td', {}, look ?? null));
 }
 
 /**
