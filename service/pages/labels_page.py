@@ -54,6 +54,10 @@ same scan; <a href="/results/{job}">job {job}</a> does not change.</p>
 <label><input type="radio" name="colours" value="parts" checked> parts</label>
 <label><input type="radio" name="colours" value="confidence"> confidence</label>
 <span class="scale" hidden><span>0.5 or less</span> <span class="bar"></span> <span>1</span></span></fieldset>
+<p id="unsure" class="soft"></p>
+<div class="row" role="group" aria-label="View from">
+<button type="button" data-view="0">Front</button> <button type="button" data-view="180">Back</button>
+<button type="button" data-view="90">Left</button> <button type="button" data-view="-90">Right</button></div>
 <fieldset id="tool"><legend>Tool</legend>
 <label><input type="radio" name="tool" value="look" checked> look <kbd>L</kbd></label>
 <label><input type="radio" name="tool" value="brush"> brush <kbd>B</kbd></label>
@@ -70,7 +74,8 @@ same scan; <a href="/results/{job}">job {job}</a> does not change.</p>
 <div id="made" role="status"></div>
 <details><summary>Mouse and keyboard</summary>
 <p>Look: drag turns the view, the wheel zooms. Other tools work where you press; the right button turns the view.
-By keyboard, with the view focused: arrows turn it, plus and minus zoom, Space works at the cross in the middle,
+Letters, digits and Ctrl keys work on the whole page. With the view focused arrows turn it, plus and minus zoom, Space
+works at the cross in the middle,
 page up and page down move the ring, [ and ] change the brush, 1 to 8 choose the part, Ctrl+Z and Ctrl+Y undo and redo.
 </p>
 <p>Fill: paints all connected points that have the part of the place you press. Ring: press near the border of two

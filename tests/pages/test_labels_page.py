@@ -117,6 +117,19 @@ def test_parts_and_confidence_are_shown(labels, shells):
 COLOURS_OF = f"[...{ROOT}.view.object.geometry.attributes.color.array]"
 
 
+def test_sides_are_shown_and_keys_work_without_the_view(labels):
+    """Broken where a button shows another side of the wearer, whose left is +x, or a key needs the view's focus."""
+    labels.evaluate("document.activeElement.blur()")
+    labels.keyboard.press("f")
+    assert labels.locator('input[name="tool"][value="fill"]').is_checked()
+    labels.keyboard.press("l")
+    assert labels.locator("#unsure").inner_text().endswith("have a confidence of 0.5 or less.")
+    offset = f"{ROOT}.view.viewer.camera.position.clone().sub({ROOT}.view.viewer.controls.target).normalize().toArray()"
+    for name, way in (("Left", (1, 0, 0)), ("Back", (0, 0, -1)), ("Right", (-1, 0, 0)), ("Front", (0, 0, 1))):
+        labels.get_by_role("group", name="View from").get_by_role("button", name=name).click()
+        np.testing.assert_allclose(labels.evaluate(offset), way, atol=1e-6)
+
+
 def test_a_brush_paints_what_it_reaches(labels, shells):
     """Broken where the brush paints another place, the back too, or more than its radius; or undo leaves a point."""
     vertex = find_front(shells, Part.UPPER, 1.25)

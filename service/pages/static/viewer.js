@@ -214,6 +214,14 @@ export class Viewer {
     return { face: hit.faceIndex, weights: weigh(hit.point, corners), point: hit.point.toArray() };
   }
 
+  /** Look at the middle from a side, level. @param {number} angle from the front about the vertical [rad] */
+  face(angle) {
+    const far = this.camera.position.distanceTo(this.controls.target);
+    this.camera.position.copy(this.controls.target).add(new Vector3(far * Math.sin(angle), 0, far * Math.cos(angle)));
+    this.controls.update();
+    this.draw();
+  }
+
   /** @param {number[]|null} point where the mark stands [m]; null: nowhere */
   setMark(point) {
     this.mark.visible = point !== null;

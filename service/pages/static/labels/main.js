@@ -14,6 +14,9 @@ const words = new Map(told.parts.map(({ value, word }) => [value, word]));
 /** How far a press of a button moves a ring [m]. */
 const RING_STEP = 0.005;
 
+/** Confidence up to which a point counts as unsure. */
+const LEAST = 0.5;
+
 /** Run a function, and show its error if it fails. @param {() => unknown} work */
 async function attempt(work) {
   try {
@@ -138,7 +141,9 @@ function connect(painting, view) {
   const letters = { l: () => choose('tool', 'look'), b: () => choose('tool', 'brush'), f: () => choose('tool', 'fill'), r: () => choose('tool', 'ring'),
     '[': () => widen(-5), ']': () => widen(5) };
   told.parts.forEach(({ value }, n) => { letters[n + 1] = () => choose('part', value); });
-  root.addEventListener('keydown', (event) => {
+  // Keys work wherever the page has the focus, but where text is entered.
+  document.addEventListener('keydown', (event) => {
+    if (event.target.matches('input:not([type=radio], [type=range]), textarea, select')) return;
     const key = event.key.toLowerCase(), isCommand = event.ctrlKey || event.metaKey;
     if (isCommand && (key === 'z' || key === 'y')) {
       if (key === 'y' || event.shiftKey) painting.redo();
@@ -164,6 +169,9 @@ function connect(painting, view) {
     for (const own of root.querySelectorAll('.own')) own.hidden = own.dataset.tool !== tool;
   }
   find('#radius').addEventListener('input', () => { find('#radius-mm').textContent = `${find('#radius').value} mm`; });
+  for (const button of root.querySelectorAll('[data-view]')) {
+    button.addEventListener('click', () => view.viewer.face(Number(button.dataset.view) * Math.PI / 180));
+  }
   find('#undo').addEventListener('click', () => painting.undo());
   find('#redo').addEventListener('click', () => painting.redo());
   find('#up').addEventListener('click', () => moveRing(RING_STEP));
@@ -186,6 +194,10 @@ async function runAgain(painting) {
 await attempt(async () => {
   const scan = readScan(await getBytes(`/v1/jobs/${job}/artifacts/segmented.ply`));
   const painting = new Painting(scan), view = new LabelView(find('#scene'), painting, told);
+  if (scan.confidence) {
+    const unsure = scan.confidence.reduce((sum, value) => sum + (value <= LEAST ? 1 : 0), 0);
+    find('#unsure').textContent = `${unsure.toLocaleString('en')} points have a confidence of 0.5 or less.`;
+  }
   if (!scan.confidence) find('input[value="confidence"]', root).disabled = true;
   connect(painting, view);
   Object.assign(root, { painting, view }); // for the browser's console
