@@ -16,6 +16,7 @@ from ...core.run.errors import Unavailable
 from ..database import open_database
 from ..local_token import make_local_token
 from ..pages import routes as pages
+from ..pages.page_route import add_error_pages
 from ..settings import ServiceSettingBad, ServiceSettings
 from ..store_size import StoreSize
 from ..stores import open_store
@@ -97,6 +98,7 @@ def make_app(
     app.webhooks.include_router(messages.router)
     app.include_router(pages.router)
     add_handlers(app)
+    add_error_pages(app)
     app.add_middleware(Guard, limits=limits, is_open=is_open, hosts=hosts)
     app.add_middleware(ProxyHeaders, proxies=read_proxies())
     app.add_route("/docs", lambda request: show_page(app), include_in_schema=False)

@@ -58,10 +58,11 @@ def show_queue(rooms: AppStateDependency, caller: Reader) -> Any:
     queue = read_queue(rooms.database)
     if caller.sees_all:
         return queue
-    return replace(hide_worker_names(queue), states=_count_own(rooms, caller.key))
+    return replace(hide_worker_names(queue), states=count_own(rooms, caller.key))
 
 
-def _count_own(rooms: AppState, key: str) -> dict[State, int]:
+def count_own(rooms: AppState, key: str) -> dict[State, int]:
+    """Count the jobs of a key by state."""
     statement = select(JobRow.state, func.count()).join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == key)
     with rooms.database.read() as session:
         return {row[0]: row[1] for row in session.execute(statement.group_by(JobRow.state)).all()}

@@ -9,11 +9,18 @@ from html import escape
 from typing import Any
 
 STYLE = """
-body{font:16px/1.5 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;color:#1a1a1a;background:#fff}
-h2{margin-top:2.5rem;border-bottom:1px solid #ccc}summary{cursor:pointer;padding:.4rem 0}
-code,pre{font:14px/1.4 ui-monospace,monospace}pre{background:#f4f4f4;padding:.7rem;overflow:auto}
-table{border-collapse:collapse;width:100%}td,th{border-top:1px solid #ddd;padding:.3rem .6rem;text-align:left;
-vertical-align:top}b{display:inline-block;min-width:4.5rem}
+:root{color-scheme:light dark;--page:#f7f8fa;--card:#fff;--sunk:#eef0f4;--line:#d4d9e1;--text:#1b2230;--accent:#2459a6}
+@media(prefers-color-scheme:dark){:root{--page:#12161d;--card:#1b212b;--sunk:#242c38;--line:#39434f;--text:#e7ebf1;
+--accent:#8ab4f2}}
+body{font:15px/1.5 system-ui,sans-serif;margin:0;color:var(--text);background:var(--page)}
+header{display:flex;flex-wrap:wrap;gap:.25rem 1rem;padding:.75rem 1rem;background:var(--card);
+border-bottom:1px solid var(--line)}header a:first-child{font-weight:700;color:inherit;text-decoration:none}
+main{max-width:60rem;margin:1rem auto;padding:0 1rem}a{color:var(--accent)}
+:focus-visible{outline:3px solid var(--accent);outline-offset:2px}
+h2{margin-top:2.5rem;border-bottom:1px solid var(--line)}summary{cursor:pointer;padding:.4rem 0;overflow-wrap:anywhere}
+code,pre{font:14px/1.4 ui-monospace,monospace}pre{background:var(--sunk);padding:.7rem;overflow:auto}
+table{border-collapse:collapse;width:100%}td,th{border-top:1px solid var(--line);padding:.3rem .6rem;text-align:left;
+vertical-align:top;overflow-wrap:anywhere}b{display:inline-block;min-width:4.5rem}
 """
 DIGEST = base64.b64encode(hashlib.sha256(STYLE.encode()).digest()).decode()
 POLICY = f"default-src 'none'; style-src 'sha256-{DIGEST}'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
@@ -37,6 +44,7 @@ def draw_page(described: dict[str, Any]) -> str:
         '<!doctype html><html lang="en"><head><meta charset="utf-8">',
         '<meta name="viewport" content="width=device-width">',
         f"<title>{escape(info['title'])}</title><style>{STYLE}</style></head><body>",
+        '<header><a href="/">garmentq</a><a href="/">Back to the gallery</a></header><main>',
         f"<h1>{escape(info['title'])} {escape(info['version'])}</h1>",
         *(f"<p>{escape(text)}</p>" for text in info.get("description", "").split("\n\n")),
         "<p>A request carries <code>Authorization: Bearer TOKEN</code>: an API key, or on a service of this machine ",
@@ -50,7 +58,7 @@ def draw_page(described: dict[str, Any]) -> str:
         f'<details id="{escape(name)}"><summary>{escape(name)}</summary>{_draw_json(schema)}</details>'
         for name, schema in sorted(schemas.items())
     ]
-    return "\n".join([*parts, "</body></html>"])
+    return "\n".join([*parts, "</main></body></html>"])
 
 
 def _draw_route(method: str, path: str, route: dict[str, Any]) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ..gallery import BatchCount
+from .actions import DIALOG
 from .markup import Html, html, join
 
 EXPORT_FIRST = "pdf"
@@ -15,7 +16,7 @@ def draw_selection() -> Html:
 
     names = sorted(DESCRIPTIONS, key=lambda name: name != EXPORT_FIRST)
     formats = join(html('<option value="{}">{}: {}</option>', one, one.upper(), DESCRIPTIONS[one]) for one in names)
-    return html(SELECTION, formats=formats)
+    return html("{}{}", html(SELECTION), html(DIALOG, formats=formats))
 
 
 def draw_batch(tag: str, count: BatchCount, may_submit: bool) -> Html:
@@ -38,12 +39,7 @@ SELECTION = """<section id="selection" class="selection" hidden aria-label="Sele
 <button type="button" data-action="retry">Try again</button>
 <button type="button" data-action="cancel">Cancel</button>
 <button type="button" data-action="delete" class="danger">Delete…</button></section>
-<section id="outcome" class="card" hidden><p role="status"></p><ul></ul></section>
-<dialog id="dialog" aria-labelledby="dialog-title"><form method="dialog"><h2 id="dialog-title"></h2>
-<p id="dialog-text"></p><p id="dialog-field"><label><span></span> <input maxlength="255"></label></p>
-<p id="dialog-format"><label>Format <select>{formats}</select></label></p>
-<p class="row"><button value="yes" class="primary"></button><button value="" formnovalidate>Back</button></p></form>
-</dialog>"""
+<section id="outcome" class="card" hidden><p role="status"></p><ul></ul></section>"""
 
 BATCH = """<section class="card batch" id="batch-head"><h2>{tag}</h2>
 <div id="batch-counts" data-renewed class="row">

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from typing import Annotated, Any
 from urllib.parse import parse_qs
 
@@ -63,6 +64,17 @@ def get_visitor(request: Request, rooms: AppStateDependency) -> Visitor:
     rooms.meter.take(caller.key)
     caller.check_scope("read")
     return Visitor(caller, make_csrf(token))
+
+
+def recognise_visitor(request: Request) -> Visitor | None:
+    """Return the visitor for the navigation of a page with an error; None without a session that lasts."""
+    rooms: AppState = request.app.state.rooms
+    token = find_session(request.scope)
+    with suppress(GarmentqError):
+        if token is not None:
+            caller = authenticate_session(rooms.database, token, bool(rooms.local_token))
+            return Visitor(caller, make_csrf(token))
+    return None
 
 
 VisitorOf = Annotated[Visitor, Depends(get_visitor)]
@@ -168,9 +180,9 @@ FORM = """<section class="signin"><h1>Sign in</h1>{refused}
 <input id="token" name="token" type="password" autocomplete="current-password" required autofocus spellcheck="false">
 <button type="submit" class="primary">Sign in</button>
 </form>
-<p>A key begins with <code>gq_</code>; <code>garmentq keys create NAME</code> creates one. Your browser stores a
+<p>A key begins with <code>gq_</code>; an operator creates it on the page Keys. Your browser stores a
 session of 12 hours, not the key.</p>{told}</section>"""
 
 TOKEN_HINT = """\
-<p>A service without keys accepts the token in the file <code>api.token</code> of its home, or the link that
-<code>garmentq serve</code> prints.</p>"""
+<p>A service without keys accepts the token in the file <code>api.token</code> of its home, or the link
+that it prints when it starts.</p>"""

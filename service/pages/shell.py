@@ -17,8 +17,20 @@ POLICY = (
 )
 """A page's Content-Security-Policy: only files of this service, nothing inline, no other host."""
 
-PLACES = (("/", "Jobs"), ("/match", "Match"), ("/docs", "API"))
+PLACES = (
+    ("/", "Gallery"),
+    ("/queue", "Queue"),
+    ("/match", "Match"),
+    ("/fabrics", "Fabrics"),
+    ("/base-patterns", "Base patterns"),
+    ("/webhooks", "Webhooks"),
+    ("/keys", "Keys"),
+    ("/docs", "API"),
+)
 """The navigation: address and title of each page that needs no job."""
+
+ADMIN_PLACES = ("/keys",)
+"""Addresses in `PLACES` that only the scope `admin` may open."""
 
 
 @dataclass(frozen=True)
@@ -65,6 +77,7 @@ def draw_shell(
     links = [
         html('<a href="{}"{}>{}</a>', url, Html(' aria-current="page"' if url == place else ""), name)
         for url, name in PLACES
+        if url not in ADMIN_PLACES or (visitor is not None and visitor.caller.sees_all)
     ]
     page = html(
         TEMPLATE,
