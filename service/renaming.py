@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from sqlalchemy import delete, exists, select
 
+from .batches import forget_tags, note_tags
 from .database import Database
 from .deletion import JobShared
 from .jobs import JobUnknown
@@ -42,6 +43,10 @@ def rename_family(
         if name:
             root.name = name
         if tags is not None:
+            known = set(session.scalars(select(JobTagRow.tag).where(JobTagRow.job == root.id)))
             members = list(session.scalars(select(JobRow.id).where(JobRow.family == root.id)))
             session.execute(delete(JobTagRow).where(JobTagRow.job.in_(members)))
             session.add_all(JobTagRow(job=one, tag=tag) for one in members for tag in dict.fromkeys(tags))
+            session.flush()
+            note_tags(session, key, set(tags) - known)
+            forget_tags(session, known - set(tags))

@@ -233,7 +233,12 @@ def test_a_family_is_renamed(backend, order, database):
     assert backend.rename(child, "Anna").id == child
     found = backend.find_job(job)
     assert (found.name, found.tags) == ("Anna", ["fitting", "spring"])
-    assert backend.rename(job, tags=[]).tags == [] and backend.find_job(job).name == "Anna"
+    assert [one.tag for one in backend.list_batches()] == ["fitting", "spring"]
+    assert (
+        backend.rename(job, tags=[]).tags == []
+        and backend.list_batches() == []
+        and backend.find_job(job).name == "Anna"
+    )
     for bad in ({"name": "a\x00b"}, {"tags": ["x" * 65]}, {"tags": [str(n) for n in range(21)]}):
         with pytest.raises(BadInput):
             backend.rename(job, **bad)
