@@ -19,6 +19,7 @@ from garmentq.service.batches import find_batch, list_batches
 from garmentq.service.database import Database, open_database
 from garmentq.service.deletion import delete_jobs
 from garmentq.service.garbage import find_all_references
+from garmentq.service.job_pages import find_page
 from garmentq.service.keys import create_key
 from garmentq.service.metrics import prometheus_text
 from garmentq.service.models import (
@@ -37,7 +38,8 @@ from garmentq.service.models import (
     UploadRow,
 )
 from garmentq.service.persons import delete_person, delete_subject
-from garmentq.service.query import count_states, find_jobs, find_roots, list_jobs, parse_conditions
+from garmentq.service.query import JobQuery, count_states, find_jobs, find_roots, list_jobs, parse_conditions
+from garmentq.service.records import ListedJob
 from garmentq.service.results import report_jobs
 from garmentq.service.retention import find_expired
 from garmentq.service.store import Store
@@ -177,6 +179,14 @@ def main() -> None:
                 lambda asked=conditions, by=sort: report_jobs(
                     database, find_jobs(database, asked, by, 50, key), settings
                 ),
+            )
+        for where, sort in LISTS:
+            first = JobQuery(wheres=[where] if where else [], sort=sort, limit=1000)
+            page = find_page(database, first, key)
+            second = replace(first, cursor=page.next, limit=50)
+            measure(
+                f"`{where or 'all'}` by `{sort}`: short, with total, after 1000 jobs",
+                lambda asked=second: [ListedJob.from_row(row) for row in find_page(database, asked, key).rows],
             )
         measure("page of subjects", lambda: list_subjects(database, key=key))
         measure("a subject of 20 jobs shown", lambda: find_subject(database, "subject9", key))

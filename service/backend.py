@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from .persons import PersonDeleted
     from .query import JobQuery
     from .queue_records import Queue
-    from .records import Artifact, Job, JobReport, Key, News
+    from .records import Artifact, Job, JobPage, JobReport, Key, News
     from .share_records import Share
     from .subject_records import Subject, SubjectFields, SubjectReport
     from .submission import SubmissionResult
@@ -73,6 +73,16 @@ class Backend(Protocol):
 
         Raises:
             QueryBad: if a condition cannot be parsed, or names an unknown field.
+        """
+
+    def find_page(self, terms: JobQuery) -> JobPage:
+        """Return a page of the jobs that meet a query, with their number and the next page's cursor.
+
+        Pages do not shift while jobs are added: the next one is the query with `cursor` set to this one's `next`.
+
+        Raises:
+            QueryBad: as `find_jobs` raises it.
+            CursorBad: if the cursor is none of this list.
         """
 
     def poll_events(self, job: str, after: int = 0) -> News:

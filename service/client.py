@@ -9,8 +9,8 @@ with garmentq.Client("http://127.0.0.1:8080", key="gq_...") as service:
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
-from dataclasses import fields
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import fields, replace
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
@@ -24,6 +24,8 @@ from .job_handle import JobHandle
 from .opening import find_key
 from .order import Order
 from .persons import Person, PersonDeleted
+from .query import JobQuery
+from .records import ListedJob
 from .remote import RemoteBackend, read_submitted
 from .remote_libraries import read
 from .settings import read_settings
@@ -95,6 +97,18 @@ class Client(RemoteBackend):
             JobUnknown: if there is none.
         """
         return JobHandle(self, job)
+
+    def iterate_jobs(self, terms: JobQuery) -> Iterator[ListedJob]:
+        """Yield all jobs that meet a query, page after page of its `limit`.
+
+        Raises:
+            QueryBad: if a condition cannot be parsed, or names an unknown field.
+        """
+        following: JobQuery | None = terms
+        while following is not None:
+            page = self.find_page(following)
+            yield from page.jobs
+            following = replace(following, cursor=page.next, offset=0) if page.next else None
 
     def match(
         self,

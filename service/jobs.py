@@ -345,11 +345,11 @@ def order_by_ids(ids: Sequence[str], found: Mapping[str, T]) -> list[T]:
     return [found[job] for job in ids]
 
 
-def read_events(database: Database, job: str, after: int = 0) -> list[EventRow]:
-    """Return a job's events with an id above `after`, in order."""
+def read_events(database: Database, job: str, after: int = 0, limit: int | None = None) -> list[EventRow]:
+    """Return a job's events with an id above `after`, in order; with `limit` only the first."""
     with database.read() as session:
         statement = select(EventRow).where(EventRow.job == job, EventRow.id > after)
-        return list(session.scalars(statement.order_by(EventRow.id)))
+        return list(session.scalars(statement.order_by(EventRow.id).limit(limit)))
 
 
 def _requeue(session: Session, claim: Claim, event: str, note: dict[str, Any] | None = None, **values: Any) -> None:

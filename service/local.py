@@ -14,6 +14,7 @@ from . import (
     derived,
     families,
     health,
+    job_pages,
     jobs,
     keys,
     materials,
@@ -35,7 +36,7 @@ from .jobs import find_job
 from .order import Order
 from .persons import PersonDeleted
 from .queue_records import Queue
-from .records import Artifact, Event, Job, JobReport, Key, News
+from .records import Artifact, Event, Job, JobPage, JobReport, Key, ListedJob, News
 from .renaming import rename_family
 from .services import Services, open_services
 from .settings import ServiceSettings
@@ -93,8 +94,13 @@ class LocalBackend:
 
     def find_jobs(self, terms: query.JobQuery) -> list[JobReport]:
         """Return the jobs that meet every condition of a query."""
-        found = query.find_jobs(self._database, terms.conditions, terms.sort, (terms.limit, terms.offset))
-        return results.report_jobs(self._database, found, self.settings)
+        found = job_pages.find_page(self._database, terms)
+        return results.report_jobs(self._database, found.rows, self.settings)
+
+    def find_page(self, terms: query.JobQuery) -> JobPage:
+        """Return a page of the jobs that meet a query, with their number and the next page's cursor."""
+        found = job_pages.find_page(self._database, terms)
+        return JobPage([ListedJob.from_row(row) for row in found.rows], found.total, found.next)
 
     def poll_events(self, job: str, after: int = 0) -> News:
         """Return a job's state and its events after one; the state is read first, so that no event is missed."""

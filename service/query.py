@@ -14,8 +14,10 @@ from sqlalchemy import ColumnElement, Select, exists, func, or_, select
 from sqlalchemy.orm import Session, aliased
 
 from ..core.run.errors import BadInput
+from .cursors import Cursor
 from .database import Database, skip_damaged_rows
 from .models import JobInputRow, JobRow, JobTagRow, MetricRow, OwnerRow, SubjectJobRow, SubjectRow
+from .sorting import Order, Page, read_page
 from .states import State
 
 TEXTS: dict[str, Any] = {
@@ -120,6 +122,7 @@ class JobQuery:
         sort: Field or metric to sort by; `-` before it: largest first.
         limit: Largest number of jobs.
         offset: Number of jobs that are skipped before them.
+        cursor: Where the page before ended, its `next`; None: the first page.
     """
 
     fields: Mapping[str, str] = field(default_factory=dict)
@@ -127,6 +130,7 @@ class JobQuery:
     sort: str = "-created"
     limit: int = 50
     offset: int = 0
+    cursor: str | None = None
 
     @property
     def conditions(self) -> list[Condition]:
@@ -186,19 +190,36 @@ def find_jobs(
         raise QueryBad(
             f"limit {count} is outside 1 to {MAX_QUERY_ROWS}, or offset {offset} outside 0 to {MAX_QUERY_OFFSET}."
         )
-    page = (count, offset)
     with database.read() as session:
-        statement = _select(session, conditions, owner)
-        name, falling = sort.removeprefix("-"), sort.startswith("-")
-        field = TEXTS.get(name, NUMBERS.get(name))
-        if field is not None:
-            has = field.is_not(None)
-            return _sort(session, (statement.where(has), statement.where(~has)), field, falling, page)
-        _check_metric(session, name)
-        metric = aliased(MetricRow)
-        on = (metric.job == JobRow.id) & (metric.name == name) & metric.value.is_not(None)
-        parts = (statement.join(metric, on), statement.where(~exists().where(on)))
-        return _sort(session, parts, metric.value, falling, page)
+        return read_sorted(session, select_jobs(session, conditions, owner), sort, Page(count, offset))
+
+
+def read_sorted(session: Session, statement: Select[Any], sort: str, page: Page) -> list[JobRow]:
+    """Return a page of the jobs of a query in the order of a field or metric; those without it are last.
+
+    Raises:
+        QueryBad: if its name is unknown.
+        CursorBad: if the page's cursor is none of this list.
+    """
+    name, is_falling = sort.removeprefix("-"), sort.startswith("-")
+    field = TEXTS.get(name, NUMBERS.get(name))
+    if field is not None:
+        has = field.is_not(None)
+        return read_page(session, (statement.where(has), statement.where(~has)), Order(field, is_falling), page)
+    _check_metric(session, name)
+    metric = aliased(MetricRow)
+    on = (metric.job == JobRow.id) & (metric.name == name) & metric.value.is_not(None)
+    parts = (statement.join(metric, on), statement.where(~exists().where(on)))
+    return read_page(session, parts, Order(metric.value, is_falling), page)
+
+
+def make_cursor(session: Session, job: JobRow, sort: str) -> Cursor:
+    """Return the cursor of the page that follows a job in the order of a field or metric."""
+    name = sort.removeprefix("-")
+    field = TEXTS.get(name, NUMBERS.get(name))
+    metric = select(MetricRow.value).where(MetricRow.job == job.id, MetricRow.name == name)
+    value = session.scalar(metric) if field is None else getattr(job, field.key)
+    return Cursor(sort, value, job.created, job.id)
 
 
 @skip_damaged_rows
@@ -213,8 +234,8 @@ def find_roots(
         QueryBad: if a name is unknown.
     """
     with database.read() as session:
-        statement = _select(session, conditions, owner).where(JobRow.parent.is_(None))
-        last = session.scalar(_select(session, (), owner).where(JobRow.id == before)) if before else None
+        statement = select_jobs(session, conditions, owner).where(JobRow.parent.is_(None))
+        last = session.scalar(select_jobs(session, (), owner).where(JobRow.id == before)) if before else None
         if last is not None:
             older = (JobRow.created == last.created) & (JobRow.id > last.id)
             statement = statement.where((JobRow.created < last.created) | older)
@@ -239,12 +260,12 @@ def find_families(
         if owner is not None:
             statement = statement.where(_is_named(session, OwnerRow.job, OwnerRow.key == owner, root.id))
         if conditions:
-            members = _select(session, conditions, None).with_only_columns(JobRow.family)
+            members = select_jobs(session, conditions, None).with_only_columns(JobRow.family)
             first = members.limit(MIN_EXISTS_MATCH_COUNT).subquery()
             count = session.scalar(select(func.count()).select_from(first)) or 0
             in_order = members.where(JobRow.family == root.id).correlate(root).exists()
             statement = statement.where(root.id.in_(members) if count < MIN_EXISTS_MATCH_COUNT else in_order)
-        last = session.scalar(_select(session, (), owner).where(JobRow.id == before)) if before else None
+        last = session.scalar(select_jobs(session, (), owner).where(JobRow.id == before)) if before else None
         if last is not None:
             older = (root.created == last.created) & (root.id > last.id)
             statement = statement.where((root.created < last.created) | older)
@@ -252,41 +273,16 @@ def find_families(
         return [(row[0], row[1]) for row in rows]
 
 
-def _select(session: Session, conditions: Sequence[Condition], owner: str | None) -> Select[Any]:
-    """Return the query for the jobs of an owner that meet every condition."""
+def select_jobs(
+    session: Session, conditions: Sequence[Condition], owner: str | None, rare: int = MIN_EXISTS_MATCH_COUNT
+) -> Select[Any]:
+    """Return the query for the jobs of an owner that meet every condition; `rare` as for `_is_rare`."""
     statement: Select[Any] = select(JobRow)
     if owner is not None:
-        statement = statement.where(_is_named(session, OwnerRow.job, OwnerRow.key == owner))
+        statement = statement.where(_is_named(session, OwnerRow.job, OwnerRow.key == owner, rare=rare))
     for condition in conditions:
-        statement = statement.where(_meets(session, condition))
+        statement = statement.where(_meets(session, condition, rare))
     return statement
-
-
-def _sort(
-    session: Session, parts: tuple[Select[Any], Select[Any]], column: Any, falling: bool, page: tuple[int, int]
-) -> list[JobRow]:
-    """Return a page of jobs in the order of a column, then of those without it, the newest first.
-
-    Among equals the newest job is first where the column falls, the oldest where it rises: so an index has them.
-
-    Args:
-        session: A transaction.
-        parts: The queries for the jobs that have the column, and for those that have not.
-        column: What they are sorted by.
-        falling: Whether the largest is first.
-        page: Largest number of jobs, and how many are skipped before them.
-    """
-    count, offset = page
-    order = list(dict.fromkeys((column, JobRow.created, JobRow.id)))
-    first = parts[0].order_by(*(one.desc() if falling else one.asc() for one in order))
-    known = list(session.scalars(first.limit(count).offset(offset)))
-    if len(known) == count:
-        return known
-    passed = offset + len(known)
-    if offset and not known:
-        passed = min(offset, session.scalar(select(func.count()).select_from(parts[0].subquery())) or 0)
-    rest = parts[1].order_by(JobRow.created.desc(), JobRow.id.desc())
-    return known + list(session.scalars(rest.limit(count - len(known)).offset(max(0, offset - passed))))
 
 
 def _read_time(text: str) -> float:
@@ -306,43 +302,45 @@ def _condition(name: str, sign: str, value: str) -> Condition:
     return Condition(name, sign, number)
 
 
-def _meets(session: Session, condition: Condition) -> ColumnElement[bool]:
+def _meets(session: Session, condition: Condition, rare: int) -> ColumnElement[bool]:
     """Return the SQL condition of a condition."""
     compare, name = OPERATORS[condition.operator], condition.name
     field = TEXTS.get(name, NUMBERS.get(name))
     if field is not None:
         value, other = _check_value(condition), aliased(JobRow)
-        if _is_rare(session, other.id, compare(getattr(other, field.key), value)):
+        if _is_rare(session, other.id, compare(getattr(other, field.key), value), rare):
             return JobRow.id.in_(select(other.id).where(compare(getattr(other, field.key), value)))
         return cast(ColumnElement[bool], compare(field, value))
     if name == TAG:
-        has = exists().where(JobTagRow.job == JobRow.id, JobTagRow.tag == _check_value(condition))
+        has = _is_named(session, JobTagRow.job, JobTagRow.tag == _check_value(condition), rare=rare)
         return has if compare is operator.eq else ~has
     if name == SUBJECT:
         value = _check_value(condition)
         people = select(SubjectRow.id).where(or_(SubjectRow.name == value, SubjectRow.id == value))
-        has = _is_named(session, SubjectJobRow.job, SubjectJobRow.subject.in_(people))
+        has = _is_named(session, SubjectJobRow.job, SubjectJobRow.subject.in_(people), rare=rare)
         return has if compare is operator.eq else ~has
     _check_metric(session, name)
     metric = aliased(MetricRow)
-    return _is_named(session, metric.job, (metric.name == name) & compare(metric.value, condition.value))
+    return _is_named(session, metric.job, (metric.name == name) & compare(metric.value, condition.value), rare=rare)
 
 
-def _is_named(session: Session, job: Any, matches: ColumnElement[bool], of: Any = JobRow.id) -> ColumnElement[bool]:
+def _is_named(
+    session: Session, job: Any, matches: ColumnElement[bool], of: Any = JobRow.id, rare: int = MIN_EXISTS_MATCH_COUNT
+) -> ColumnElement[bool]:
     """Return the condition that matching rows of another table name a job, its id `of`, in their column `job`.
 
     If many rows match, each job is looked up in the order of the jobs until enough are found; if few match, the index
     of the other table lists them at once. The reverse is slow in a long table.
     """
-    if _is_rare(session, job, matches):
+    if _is_rare(session, job, matches, rare):
         return cast(ColumnElement[bool], of.in_(select(job).where(matches)))
     return exists().where(job == of, matches)
 
 
-def _is_rare(session: Session, job: Any, matches: ColumnElement[bool]) -> bool:
-    """Check whether so few rows match that all of them are named; at most `MIN_EXISTS_MATCH_COUNT` are counted."""
-    first = select(job).where(matches).limit(MIN_EXISTS_MATCH_COUNT).subquery()
-    return (session.scalar(select(func.count()).select_from(first)) or 0) < MIN_EXISTS_MATCH_COUNT
+def _is_rare(session: Session, job: Any, matches: ColumnElement[bool], rare: int) -> bool:
+    """Check whether fewer rows than `rare` match, so that all of them are named; no more than these are counted."""
+    first = select(job).where(matches).limit(rare).subquery()
+    return (session.scalar(select(func.count()).select_from(first)) or 0) < rare
 
 
 def _check_value(condition: Condition) -> str | float:

@@ -183,7 +183,6 @@ class Progress:
 class News:
     """Describe a job's state and its events since the last poll; an ended state comes with all of them."""
 
-    __pydantic_config__: ClassVar = CLOSED
     state: State
     events: list[Event]
 
@@ -255,6 +254,41 @@ class Job(JsonRecord):
     def from_row(cls, row: JobRow) -> Job:
         """Read a row of the table of jobs."""
         return Job(**_read_row(row))
+
+
+@dataclass(frozen=True, kw_only=True)
+class ListedJob(Job):
+    """Describe a job as lists show it: beside its progress garment, base pattern, fabric, CPU time [s] and memory [MB].
+
+    These are of the result, and None before it.
+    """
+
+    garment: str | None
+    template: str | None
+    fabric: str | None
+    cpu_seconds: float | None
+    peak_mb: float | None
+
+    @classmethod
+    def from_row(cls, row: JobRow) -> ListedJob:
+        """Read a row of the table of jobs."""
+        own = {name: getattr(row, name) for name in ("garment", "template", "fabric", "cpu_seconds", "peak_mb")}
+        return ListedJob(**_read_row(row), **own)
+
+
+@dataclass(frozen=True)
+class JobPage:
+    """Describe a page of a list of jobs.
+
+    Attributes:
+        jobs: The jobs.
+        total: Number of jobs of the whole list; None if more than 1000 meet its conditions.
+        next: Cursor of the page that follows; None if this is the last.
+    """
+
+    jobs: list[ListedJob]
+    total: int | None
+    next: str | None
 
 
 @dataclass(frozen=True, kw_only=True)

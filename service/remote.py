@@ -37,7 +37,7 @@ from .order import Order
 from .ordering import check_order_locally
 from .query import JobQuery
 from .queue_records import Queue
-from .records import Artifact, Event, Job, JobReport, Json, News, check_id
+from .records import Artifact, Event, Job, JobPage, JobReport, Json, ListedJob, News, check_id
 from .remote_libraries import read, read_all
 from .remote_subjects import RemoteSubjects
 from .results import choose_files
@@ -198,22 +198,38 @@ class RemoteBackend(RemoteSubjects):
         """Return the running jobs, then the newest others, each newest first; at most a thousand."""
         conditions: list[dict[str, Any]] = [{"state": State.RUNNING.value}, {}]
         pages = [
-            self._ask("GET", "/v1/jobs", params=one | {"limit": min(limit, MAX_JOBS_PER_REQUEST)}) for one in conditions
+            self._ask("GET", "/v1/jobs", params=one | {"limit": min(limit, MAX_JOBS_PER_REQUEST), "detail": "full"})
+            for one in conditions
         ]
         found = {job.id: job for one in pages for job in read_all(JobReport.from_json, one, "jobs")}
         return list(found.values())[:limit]
 
     def find_jobs(self, terms: JobQuery) -> list[JobReport]:
         """Return the jobs that meet every condition of a query, which is parsed here before it is sent."""
+        return read_all(JobReport.from_json, self._query(terms, detail="full"), "jobs")
+
+    def find_page(self, terms: JobQuery) -> JobPage:
+        """Return a page of the jobs that meet a query, with their number and the next page's cursor."""
+        found = self._query(terms)
+        return read(lambda: JobPage(read_all(ListedJob.from_json, found, "jobs"), found["total"], found["next"]))
+
+    def _query(self, terms: JobQuery, **more: str) -> Json:
         _ = terms.conditions
-        params = {**terms.fields, "where": list(terms.wheres), "sort": terms.sort, "limit": terms.limit}
+        params = {**terms.fields, "where": list(terms.wheres), "sort": terms.sort, "limit": terms.limit, **more}
         params |= {"offset": terms.offset} if terms.offset else {}
-        return read_all(JobReport.from_json, self._ask("GET", "/v1/query", params=params), "jobs")
+        params |= {} if terms.cursor is None else {"cursor": terms.cursor}
+        found: Json = self._ask("GET", "/v1/query", params=params)
+        return found
 
     def poll_events(self, job: str, after: int = 0) -> News:
-        """Return a job's state and its events with an id above `after`, in one request."""
-        found = self._ask("GET", f"/v1/jobs/{quote(job, safe='')}/events", params={"after": after})
-        return read(lambda: News(State(found["state"]), read_all(Event.from_json, found, "events")))
+        """Return a job's state and its events with an id above `after`."""
+        events: list[Event] = []
+        following: int | None = after
+        while following is not None:
+            found = self._ask("GET", f"/v1/jobs/{quote(job, safe='')}/events", params={"after": following})
+            events += read_all(Event.from_json, found, "events")
+            following = found.get("next")
+        return read(lambda: News(State(found["state"]), events))
 
     def read_queue(self) -> Queue:
         """Count the jobs by state, and list the living workers."""

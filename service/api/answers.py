@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, create_model
 from .. import records, subject_records
 from ..batch_records import Batch
 from ..catalogue import Template
-from ..records import Artifact, get_json_name
+from ..records import Artifact, Event, get_json_name
 from ..share_records import Share as ShareRecord
 from ..states import State
 from ..versions import Version
@@ -32,10 +32,18 @@ def _make_model(record: type) -> Any:
 
 
 Brief: Any = _make_model(records.Job)
+Listed: Any = _make_model(records.ListedJob)
 Job: Any = _make_model(records.JobReport)
 Key: Any = _make_model(records.Key)
 Subject: Any = _make_model(subject_records.Subject)
 SubjectReport: Any = _make_model(subject_records.SubjectReport)
+
+
+class Whole(Answer):
+    """Describe a list that is returned at once: `total` counts it, and no page follows."""
+
+    total: int
+    next: None
 
 
 class Place(Answer):
@@ -143,9 +151,15 @@ class Result(Job):
 
 
 class Jobs(Answer):
-    """List jobs."""
+    """List a page of jobs; reports with `detail=full`.
 
-    jobs: list[Job]
+    `next` is the `cursor` of the page that follows, null on the last one. `total` counts the whole list; null if more
+    than 1000 jobs meet its conditions.
+    """
+
+    jobs: list[Job | Listed]
+    total: int | None
+    next: str | None
 
 
 class Briefs(Answer):
@@ -154,13 +168,26 @@ class Briefs(Answer):
     jobs: list[Brief]
 
 
-class Files(Answer):
+class Events(Answer):
+    """List events of a job after one: an ended `state` with `next` null comes with all of them.
+
+    `next` is the value of `after` for the events that follow, null if there are none yet; `total` counts all events of
+    the job.
+    """
+
+    state: State
+    events: list[Event]
+    total: int
+    next: int | None
+
+
+class Files(Whole):
     """List the files of a job."""
 
     files: list[Artifact]
 
 
-class Versions(Answer):
+class Versions(Whole):
     """List the versions of a result."""
 
     versions: list[Version]
@@ -176,7 +203,7 @@ class Wearer(Answer):
     parameters: dict[str, Any]
 
 
-class Templates(Answer):
+class Templates(Whole):
     """List base patterns."""
 
     templates: list[Template]
@@ -198,7 +225,7 @@ class Material(BaseModel):
     sources: dict[str, str]
 
 
-class Materials(Answer):
+class Materials(Whole):
     """List fabrics."""
 
     materials: list[Material]
@@ -210,7 +237,7 @@ class NewKey(Key):
     token: str
 
 
-class Keys(Answer):
+class Keys(Whole):
     """List API keys."""
 
     keys: list[Key]
@@ -240,7 +267,7 @@ class NewWebhook(Webhook):
     secret: str
 
 
-class Webhooks(Answer):
+class Webhooks(Whole):
     """List webhooks."""
 
     webhooks: list[Webhook]

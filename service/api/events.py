@@ -11,15 +11,18 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Header, Query, Request
 from fastapi.responses import StreamingResponse
+from sqlalchemy import func, select
 from starlette.concurrency import run_in_threadpool
 from starlette.types import Receive, Scope, Send
 
 from ...core.run.errors import GarmentqError
 from ..jobs import find_job, read_events
 from ..keys import Caller
+from ..models import EventRow
 from ..records import Event, News
 from ..states import ENDED
 from .access import AppState, AppStateDependency, Reader, find_own
+from .answers import Events
 from .problems import show_answer
 
 router = APIRouter(prefix="/jobs", tags=["jobs"])
@@ -29,6 +32,9 @@ EVENT_POLL_INTERVAL = 0.5
 
 STREAM_KEEPALIVE_INTERVAL = 15.0
 """Interval between the comments that an idle stream sends [s]; proxies close a connection that is silent for 30 s."""
+
+MAX_EVENTS_PER_REQUEST = 10_000
+"""Largest number of events of one response; a job of an hour and a half writes as many."""
 
 HOST_FIELDS = ("owner",)
 """Fields of events that name a host, a process or a task."""
@@ -43,7 +49,7 @@ EXAMPLE = {
 
 def describe_answers() -> dict[int | str, dict[str, Any]]:
     """Describe both forms of the response."""
-    described = show_answer({"events": [EXAMPLE], "state": "running"}, model=News)
+    described = show_answer({"events": [EXAMPLE], "state": "running", "total": 17, "next": None}, model=Events)
     stream = f'id: 17\nevent: progress\ndata: {json.dumps(EXAMPLE)}\n\nevent: end\ndata: {{"state": "succeeded"}}\n\n'
     described[200]["content"]["text/event-stream"] = {"schema": {"type": "string"}, "example": stream}
     return described
@@ -59,6 +65,9 @@ async def follow_job(
     rooms: AppStateDependency,
     caller: Reader,
     after: Annotated[int, Query(ge=0, le=MAX_EVENT_ID)] = 0,
+    limit: Annotated[int, Query(ge=1, le=MAX_EVENTS_PER_REQUEST, description="Of a list, not of a stream.")] = (
+        MAX_EVENTS_PER_REQUEST
+    ),
     last_event_id: Annotated[str | None, Header(max_length=20)] = None,
 ) -> Any:
     """Return the events after one; as Server-Sent Events if the request has `Accept: text/event-stream`."""
@@ -66,7 +75,7 @@ async def follow_job(
     if last_event_id is not None and last_event_id.isascii() and last_event_id.isdigit():
         after = min(int(last_event_id), MAX_EVENT_ID)
     if "text/event-stream" not in request.headers.get("accept", ""):
-        return await run_in_threadpool(_read_news, rooms, caller, row.id, after)
+        return await run_in_threadpool(_list_events, rooms, caller, row.id, after, limit)
     return _CountedStream(rooms, caller, row.id, after)
 
 
@@ -101,11 +110,21 @@ async def _stream(rooms: AppState, caller: Caller, job: str, after: int) -> Asyn
         await asyncio.sleep(EVENT_POLL_INTERVAL)
 
 
-def _read_news(rooms: AppState, caller: Caller, job: str, after: int) -> News:
+def _read_news(rooms: AppState, caller: Caller, job: str, after: int, limit: int | None = None) -> News:
     """Return state and events; the state is read first, so that the job's last event is among those read after it."""
     state = find_job(rooms.database, job).state
-    events = [Event.from_row(event) for event in read_events(rooms.database, job, after)]
+    events = [Event.from_row(event) for event in read_events(rooms.database, job, after, limit)]
     return News(state, events if caller.sees_all else [hide_host_fields(event) for event in events])
+
+
+def _list_events(rooms: AppState, caller: Caller, job: str, after: int, limit: int) -> dict[str, Any]:
+    """Return the response with some events; their number is asked for last, so that it includes all of these."""
+    latest = _read_news(rooms, caller, job, after, limit + 1)
+    events, has_more = latest.events[:limit], len(latest.events) > limit
+    with rooms.database.read() as session:
+        total = session.scalar(select(func.count()).select_from(EventRow).where(EventRow.job == job))
+    following = events[-1].id if has_more else None
+    return {"state": latest.state, "events": events, "total": total, "next": following}
 
 
 def hide_host_fields(event: Event) -> Event:

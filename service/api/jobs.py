@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import hashlib
 import json
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Depends, Header, Query, Request, Response
 from starlette.concurrency import run_in_threadpool
@@ -17,16 +17,19 @@ from ...core.body.spec import read_wearer
 from ...core.recover.settings import LATER, RecoverySettings
 from ...core.run.sandbox import IsStopped, never_stopped
 from ..checking import check_request
+from ..cursors import MAX_CURSOR_LENGTH
 from ..deletion import Deleted, delete_jobs
 from ..derived import DerivedOrder, submit_derived
 from ..families import cancel, retry
+from ..job_pages import find_page
 from ..jobs import find_job
 from ..keys import Caller
 from ..kinds import FileRef, find_kind
 from ..models import JobRow
 from ..order import Order, PartOrder
 from ..ordering import check_order
-from ..query import MAX_QUERY_OFFSET, JobQuery, find_jobs
+from ..query import MAX_QUERY_OFFSET, JobQuery
+from ..records import ListedJob, get_json_name
 from ..refining import submit_refinement
 from ..results import report_jobs
 from ..submission import SubmissionResult, clean_name, own_name, submit
@@ -35,7 +38,7 @@ from ..uploads import begin_idempotent, end_idempotent, find_upload
 from ..versions import list_versions
 from .access import AppState, AppStateDependency, Reader, Submitter, find_own
 from .answers import Asked, Changed, Job, Jobs, Versions
-from .problems import RequestBad, show_answer
+from .problems import RequestBad, show_answer, show_list
 from .schemas import AnyJobIn, DerivedIn, JobIn, PartIn, Text
 
 router = APIRouter(prefix="/jobs", tags=["jobs"])
@@ -53,6 +56,8 @@ EXAMPLE = {
     "inputs": {}, "waits": [], "tags": ["spring"], "details": {}, "delay": None,
     "redrape": {"state": "done", "job": None, "code": None}, "subject": "Anna Müller",
 }  # fmt: skip
+LISTED = {name: EXAMPLE[name] for name in map(get_json_name, fields(ListedJob))}
+PAGE = {"jobs": [LISTED], "total": 1, "next": None}
 UPLOADED_AS = {"body": "bodies", "motion": "motions", "pattern": "patterns"}
 """Kind of upload of each file field of a derived job; other fields accept any upload."""
 
@@ -119,16 +124,26 @@ class JobFilter:
         return {name: value for name, value in asdict(self).items() if value is not None}
 
 
-@router.get("", summary="List the newest jobs.", responses=show_answer({"jobs": [EXAMPLE]}, model=Jobs))
+@dataclass(frozen=True)
+class Paging:
+    """Describe where a page of jobs begins, and what it says of each."""
+
+    offset: Annotated[int, Query(ge=0, le=MAX_QUERY_OFFSET, description="Jobs before the page; not with `cursor`.")] = 0
+    cursor: Annotated[str | None, Query(max_length=MAX_CURSOR_LENGTH, description="`next` of the page before.")] = None
+    detail: Annotated[Literal["short", "full"], Query(description="full: the reports, as of one job.")] = "short"
+
+
+@router.get("", summary="List the newest jobs.", responses=show_answer(PAGE, model=Jobs))
 def list_jobs(
     rooms: AppStateDependency,
     caller: Reader,
     job_filter: Annotated[JobFilter, Depends()],
+    paging: Annotated[Paging, Depends()],
     limit: Annotated[int, Query(ge=1, le=1000)] = 50,
-    offset: Annotated[int, Query(ge=0, le=MAX_QUERY_OFFSET)] = 0,
 ) -> Any:
-    """Return the caller's jobs that match the filter, newest first, beginning at `offset`."""
-    return answer_query(rooms, caller, JobQuery(job_filter.chosen, limit=limit, offset=offset))
+    """Return a page of the caller's jobs that match the filter, newest first; jobs that are added shift no page."""
+    query = JobQuery(job_filter.chosen, limit=limit, offset=paging.offset, cursor=paging.cursor)
+    return answer_query(rooms, caller, query, paging.detail == "full")
 
 
 @router.get(
@@ -141,12 +156,12 @@ def show_one(job: str, rooms: AppStateDependency, caller: Reader) -> Any:
 
 @router.get(
     "/{job}/versions", name="list_versions", summary="List the versions of a result.",
-    responses=show_answer({"versions": [VERSION]}, model=Versions),
+    responses=show_answer(show_list("versions", [VERSION]), model=Versions),
 )  # fmt: skip
 def show_versions(job: str, rooms: AppStateDependency, caller: Reader) -> Any:
     """Return the original result and every edited version of it that is the caller's, oldest first."""
     row = find_own(rooms, caller, job)
-    return {"versions": list_versions(rooms.database, row.id, "" if caller.sees_all else caller.key)}
+    return show_list("versions", list_versions(rooms.database, row.id, "" if caller.sees_all else caller.key))
 
 
 @router.post(
@@ -206,11 +221,11 @@ def show_job(rooms: AppState, row: JobRow) -> dict[str, Any]:
     return report_jobs(rooms.database, [row], rooms.settings)[0].as_json()
 
 
-def answer_query(rooms: AppState, caller: Caller, query: JobQuery) -> dict[str, Any]:
-    """Return the response with the caller's jobs that match a query."""
-    owner = None if caller.sees_all else caller.key
-    rows = find_jobs(rooms.database, query.conditions, query.sort, (query.limit, query.offset), owner)
-    return {"jobs": [job.as_json() for job in report_jobs(rooms.database, rows, rooms.settings)]}
+def answer_query(rooms: AppState, caller: Caller, query: JobQuery, is_full: bool) -> dict[str, Any]:
+    """Return the response with a page of the caller's jobs that match a query, as reports if it is full."""
+    page = find_page(rooms.database, query, None if caller.sees_all else caller.key)
+    jobs = report_jobs(rooms.database, page.rows, rooms.settings) if is_full else map(ListedJob.from_row, page.rows)
+    return {"jobs": [job.as_json() for job in jobs], "total": page.total, "next": page.next}
 
 
 def _calls_limited(rooms: AppState, payload: JobIn | DerivedIn) -> bool:

@@ -10,7 +10,7 @@ from ..keys import create_key, list_keys, revoke_key
 from ..records import Key as KeyRecord
 from .access import Admin, AppStateDependency
 from .answers import Key, Keys, NewKey
-from .problems import show_answer
+from .problems import show_answer, show_list
 from .schemas import KeyIn
 
 router = APIRouter(prefix="/keys", tags=["keys"])
@@ -35,10 +35,12 @@ def create(payload: KeyIn, rooms: AppStateDependency, caller: Admin) -> Any:
     return KeyRecord.from_row(row).as_json() | {"token": token}
 
 
-@router.get("", name="list_keys", summary="List the keys.", responses=show_answer({"keys": [EXAMPLE]}, model=Keys))
+@router.get(
+    "", name="list_keys", summary="List the keys.", responses=show_answer(show_list("keys", [EXAMPLE]), model=Keys)
+)
 def list_all(rooms: AppStateDependency, caller: Admin) -> Any:
     """Return every key, without its token."""
-    return {"keys": [KeyRecord.from_row(row).as_json() for row in list_keys(rooms.database)]}
+    return show_list("keys", [KeyRecord.from_row(row).as_json() for row in list_keys(rooms.database)])
 
 
 @router.delete(

@@ -10,7 +10,7 @@ from ..catalogue import read_fabric, show_fabric
 from ..materials import delete_material, keep_materials, list_materials, read_material
 from .access import Admin, AppStateDependency, Reader
 from .answers import Material, Materials
-from .problems import RequestBad, show_answer
+from .problems import RequestBad, show_answer, show_list
 from .schemas import FabricIn, FabricName, Text
 
 router = APIRouter(prefix="/materials", tags=["libraries"])
@@ -23,11 +23,11 @@ EXAMPLE = {
 
 @router.get(
     "", name="list_materials", summary="List the fabrics.",
-    responses=show_answer({"materials": [EXAMPLE]}, model=Materials),
+    responses=show_answer(show_list("materials", [EXAMPLE]), model=Materials),
 )  # fmt: skip
 def list_all(rooms: AppStateDependency, caller: Reader) -> Any:
     """Return every fabric, shipped and imported, in SI units."""
-    return {"materials": [show_fabric(fabric) for fabric in list_materials(rooms.database)]}
+    return show_list("materials", [show_fabric(fabric) for fabric in list_materials(rooms.database)])
 
 
 @router.get("/{name}", summary="Show a fabric.", responses=show_answer(EXAMPLE, model=Material))

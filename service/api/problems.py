@@ -193,6 +193,11 @@ def show_answer(
     return {status: good, **show_refusals(*API_REFUSAL_STATUSES, *refusals)}
 
 
+def show_list(name: str, items: Sequence[object]) -> dict[str, object]:
+    """Return the response of a list that is returned at once, in the form of one that has pages."""
+    return {name: items, "total": len(items), "next": None}
+
+
 def show_bytes(description: str, media: str = "application/octet-stream") -> dict[str, Any]:
     """Describe a response that is a file, in OpenAPI."""
     return {"description": description, "content": {media: {"schema": BYTES, "example": "(bytes)"}}}

@@ -7,35 +7,35 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Query
 
-from ..query import MAX_QUERY_OFFSET, MAX_QUERY_ROWS, JobQuery
+from ..query import MAX_QUERY_ROWS, JobQuery
 from .access import AppStateDependency, Reader
 from .answers import Jobs
-from .jobs import EXAMPLE, JobFilter, Words, answer_query
+from .jobs import PAGE, JobFilter, Paging, Words, answer_query
 from .problems import show_answer
 
 router = APIRouter(tags=["results"])
 
 
 @dataclass(frozen=True)
-class Page:
-    """Describe which of the found jobs are returned."""
+class QueryFilter(JobFilter):
+    """Describe a filter of jobs by their fields and by what was made."""
 
-    limit: Annotated[int, Query(ge=1, le=MAX_QUERY_ROWS)] = 50
-    offset: Annotated[int, Query(ge=0, le=MAX_QUERY_OFFSET)] = 0
+    garment: Words = None
+    fabric: Words = None
 
 
-@router.get("/query", summary="Find jobs by their results.", responses=show_answer({"jobs": [EXAMPLE]}, model=Jobs))
+@router.get("/query", summary="Find jobs by their results.", responses=show_answer(PAGE, model=Jobs))
 def query_jobs(
     rooms: AppStateDependency,
     caller: Reader,
-    job_filter: Annotated[JobFilter, Depends()],
-    garment: Words = None,
-    fabric: Words = None,
+    job_filter: Annotated[QueryFilter, Depends()],
     where: Annotated[list[str], Query(max_length=20, examples=[["surface_rms_mm.t2s < 4"]])] = [],  # noqa: B006
     sort: Annotated[str, Query(max_length=200)] = "-created",
-    page: Annotated[Page, Depends()] = Page(),
+    limit: Annotated[int, Query(ge=1, le=MAX_QUERY_ROWS)] = 50,
+    *,
+    paging: Annotated[Paging, Depends()],
 ) -> Any:
-    """Return the caller's jobs that meet every condition; names and operators come from lists, values are bound."""
-    named = {"garment": garment, "fabric": fabric}
-    chosen = job_filter.chosen | {name: value for name, value in named.items() if value is not None}
-    return answer_query(rooms, caller, JobQuery(chosen, [text[:1000] for text in where], sort, page.limit, page.offset))
+    """Return a page of the caller's jobs that meet every condition; jobs that are added shift no page."""
+    wheres = [text[:1000] for text in where]
+    query = JobQuery(job_filter.chosen, wheres, sort, limit, paging.offset, paging.cursor)
+    return answer_query(rooms, caller, query, paging.detail == "full")

@@ -18,7 +18,7 @@ from .archive import pack_files
 from .download import Download, SendOptions, send_file
 from .jobs import EXAMPLE as JOB
 from .jobs import show_job
-from .problems import API_REFUSAL_STATUSES, show_answer, show_bytes, show_refusals
+from .problems import API_REFUSAL_STATUSES, show_answer, show_bytes, show_list, show_refusals
 
 router = APIRouter(tags=["results"])
 
@@ -47,11 +47,13 @@ def show_result(job: str, rooms: AppStateDependency, caller: Reader) -> Any:
 
 
 @router.get(
-    "/jobs/{job}/artifacts", summary="List a job's files.", responses=show_answer({"files": [FILE]}, model=Files)
+    "/jobs/{job}/artifacts",
+    summary="List a job's files.",
+    responses=show_answer(show_list("files", [FILE]), model=Files),
 )
 def list_artifacts(job: str, rooms: AppStateDependency, caller: Reader) -> Any:
     """Return the names, hashes and sizes of a job's files."""
-    return {"files": _find_files(rooms, find_own(rooms, caller, job).id)}
+    return show_list("files", _find_files(rooms, find_own(rooms, caller, job).id))
 
 
 @router.get(

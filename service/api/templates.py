@@ -14,7 +14,7 @@ from ..catalogue import ImportedTemplate, Template
 from ..templates import delete_template, import_template, list_templates, read_template
 from .access import Admin, AppState, AppStateDependency, Reader
 from .answers import Templates
-from .problems import BYTES, show_answer
+from .problems import BYTES, show_answer, show_list
 from .schemas import SQUARE, DocumentIn, TemplateName
 
 router = APIRouter(prefix="/templates", tags=["libraries"])
@@ -26,11 +26,11 @@ DELETED = {"name": "jacket", "category": "jacket", "source": "imported", "title"
 
 @router.get(
     "", name="list_templates", summary="List the templates.",
-    responses=show_answer({"templates": [EXAMPLE]}, model=Templates),
+    responses=show_answer(show_list("templates", [EXAMPLE]), model=Templates),
 )  # fmt: skip
 def list_all(rooms: AppStateDependency, caller: Reader) -> Any:
     """Return shipped and imported templates."""
-    return {"templates": list_templates(rooms.database)}
+    return show_list("templates", list_templates(rooms.database))
 
 
 @router.get(

@@ -13,7 +13,7 @@ from ..webhook_trial import try_webhook
 from ..webhooks import create_webhook, delete_webhook, list_webhooks
 from .access import AppStateDependency, Reader, Submitter
 from .answers import NewWebhook, Webhook, Webhooks
-from .problems import show_answer
+from .problems import show_answer, show_list
 from .schemas import WebhookIn
 
 router = APIRouter(prefix="/webhooks", tags=["webhooks"])
@@ -44,11 +44,11 @@ def create(payload: WebhookIn, rooms: AppStateDependency, caller: Submitter) -> 
 
 @router.get(
     "", name="list_webhooks", summary="List the webhooks.",
-    responses=show_answer({"webhooks": [EXAMPLE]}, model=Webhooks),
+    responses=show_answer(show_list("webhooks", [EXAMPLE]), model=Webhooks),
 )  # fmt: skip
 def list_all(rooms: AppStateDependency, caller: Reader) -> Any:
     """Return the caller's webhooks without their secrets; `owed` is the number of unsent messages."""
-    return {"webhooks": [one.as_json() for one in list_webhooks(rooms.database, _find_realm(caller))]}
+    return show_list("webhooks", [one.as_json() for one in list_webhooks(rooms.database, _find_realm(caller))])
 
 
 @router.delete(

@@ -113,6 +113,8 @@ def ask_everything(service: Client, finished: str, folder: Path, settings) -> No
     refused(service.refine, finished)
     refused(service.submit_derived, DerivedOrder("dress", job, {"body": "builtin:female"}))
     service.find_job(job), service.find_jobs_by_id([job]), service.list_jobs(), service.find_jobs(JobQuery({}))
+    found = list(service.iterate_jobs(JobQuery(limit=1)))
+    assert [one.id for one in found] == [one.id for one in service.find_page(JobQuery()).jobs] and len(found) > 1
     service.poll_events(job), service.read_queue(), service.cancel(job), service.retry(job), service.cancel(job)
     service.delete_job(job)
     assert [one.job for one in service.list_versions(finished)] == [finished]

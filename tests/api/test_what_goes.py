@@ -33,7 +33,7 @@ def test_a_person_goes(client, keys, settings, database, store, tmp_path, monkey
     assert client.post(f"/v1/jobs/{running}/cancel", headers=mine).status_code == 200
     done = client.delete("/v1/persons/skirt", headers=mine)
     assert done.status_code == 200, done.text
-    assert client.get("/v1/jobs", headers=mine).json() == {"jobs": []}
+    assert client.get("/v1/jobs", headers=mine).json() == {"jobs": [], "total": 0, "next": None}
     assert [one["job"] for one in client.get("/v1/jobs", headers=other).json()["jobs"]] == [foreign]
     with database.read() as session:
         assert [row.name for row in session.query(UploadRow) if row.name.startswith("skirt")] == ["skirt.ply"]
@@ -95,7 +95,7 @@ def test_webhooks_of_a_key(client, keys, settings):
     assert made["secret"].startswith("whsec_") and len(made["states"]) == 4
     own = client.get("/v1/webhooks", headers=keys[0]).json()["webhooks"]
     assert [one["webhook"] for one in own] == [made["webhook"]] and "secret" not in own[0]
-    assert client.get("/v1/webhooks", headers=keys[1]).json() == {"webhooks": []}
+    assert client.get("/v1/webhooks", headers=keys[1]).json()["webhooks"] == []
     for ask_for, path in ((client.delete, ""), (client.post, "/test")):
         assert code_of(ask_for(f"/v1/webhooks/{made['webhook']}{path}", headers=keys[1])) == "webhook.unknown"
     for url in ("http://studio.example/", "https://127.0.0.1/", "https://[::1]/", "https://169.254.169.254/"):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import json
 import shutil
 from dataclasses import replace
 
@@ -9,10 +11,12 @@ import pytest
 from garmentq.core.cloth.fabric import FabricEstimate
 from garmentq.core.judge.estimates import summarise_estimates
 from garmentq.core.recover.settings import RecoverySettings
+from garmentq.service.cursors import Cursor, CursorBad, decode_cursor
 from garmentq.service.database import open_database
+from garmentq.service.job_pages import find_page
 from garmentq.service.jobs import claim
 from garmentq.service.kinds.recover import Recover
-from garmentq.service.query import Condition, QueryBad, find_jobs, list_jobs, parse_conditions
+from garmentq.service.query import Condition, JobQuery, QueryBad, find_jobs, list_jobs, parse_conditions
 from garmentq.service.results import (
     ResultMissing,
     export_files,
@@ -25,6 +29,8 @@ from garmentq.service.store import Store
 from garmentq.service.submission import Order, submit
 from garmentq_home import drop_database, make_database, make_settings, put_file
 from garmentq_standin import make_recovery, write
+from hypothesis import given
+from hypothesis import strategies as st
 from sqlalchemy import text
 
 KNOWN = {
@@ -210,3 +216,89 @@ def test_a_verdict_is_a_question(database, results):
     assert {row.id for row in find_jobs(database, parse_conditions("verdict = pass"))} == set(results.values())
     assert find_jobs(database, parse_conditions("verdict = fail")) == []
     assert {row.verdict for row in find_jobs(database, parse_conditions("state = queued"))} == {None}
+
+
+SORTS = ("-created", "created", "name", "-name", "job", "state", "verdict", "-attempts", "finished",
+         "surface_rms_mm.t2s", "-surface_rms_mm.t2s")  # fmt: skip
+
+
+@pytest.mark.parametrize("sort", SORTS)
+@pytest.mark.parametrize("limit", [1, 2, 4])
+def test_pages_are_the_list(database, results, sort, limit):
+    """Broken where a page repeats or leaves out a job at equal values, or at the first job without a value."""
+    query, found = JobQuery(sort=sort, limit=limit), []
+    while query is not None:
+        page = find_page(database, query)
+        assert page.total == 6 and len(page.rows) == min(limit, 6 - len(found))
+        found += page.rows
+        query = replace(query, cursor=page.next) if page.next else None
+    assert [row.id for row in found] == [row.id for row in find_jobs(database, sort=sort)]
+
+
+def test_a_new_job_shifts_no_page(tmp_path, blank_database):
+    """Broken where the second page begins at a number of jobs, not after the last one of the first."""
+    shutil.copy(blank_database, tmp_path / "garmentq.db")
+    database, store = open_database(make_settings(tmp_path), pooled=False), Store(tmp_path / "store")
+    add = lambda name: submit(database, store, Order(put_file(tmp_path, f"{name}.ply"), put_file(tmp_path, "b.ply")))  # noqa: E731
+    for name in "abcd":
+        add(name)
+    first = find_page(database, JobQuery(limit=2))
+    add("e")
+    second = find_page(database, JobQuery(limit=2, cursor=first.next))
+    assert (names(first.rows), names(second.rows)) == (["d", "c"], ["b", "a"])
+    assert (first.total, second.total, second.next) == (4, 5, None)
+    offset = find_page(database, JobQuery(limit=2, offset=2))
+    assert names(offset.rows) == ["c", "b"]
+
+
+def test_the_total_is_that_of_the_conditions(database, results, monkeypatch):
+    """Broken where the total counts the page, other jobs, or goes on counting in a long table."""
+    query = JobQuery({"garment": "skirt"}, limit=1)
+    assert find_page(database, query).total == 3
+    monkeypatch.setattr("garmentq.service.job_pages.MAX_TOTAL_COUNT", 2)
+    assert find_page(database, query).total is None and find_page(database, JobQuery()).total == 6
+
+
+def encode(*values) -> str:
+    """Return what a cursor of these values would be."""
+    return base64.urlsafe_b64encode(json.dumps(values).encode()).decode().rstrip("=")
+
+
+@pytest.mark.parametrize(
+    ("sort", "cursor"),
+    [
+        ("-created", ""), ("-created", "x"), ("-created", "é" * 9), ("-created", "A" * 2000), ("-created", encode(1)),
+        ("-created", encode("created", 1.0, 1.0, "a")), ("-created", encode("-created", "1", 1.0, "a")),
+        ("-created", encode("-created", float("nan"), 1.0, "a")), ("-created", encode("-created", 1.0, True, "a")),
+        ("-attempts", encode("-attempts", 10**400, 1.0, "a")), ("-attempts", encode("-attempts", 10**12, 1.0, "a")),
+        ("-attempts", encode("-attempts", 1.5, 1.0, "a")),
+        ("name", encode("name", 1.0, 1.0, "a")), ("name", encode("name", "a\x00", 1.0, "a")),
+        ("name", encode("name", ["a"], 1.0, "a")), ("state", encode("state", "asleep", 1.0, "a")),
+        ("surface_rms_mm.t2s", encode("surface_rms_mm.t2s", "4", 1.0, "a")), ("-created", encode(*["["] * 200)),
+    ],
+)  # fmt: skip
+def test_a_wrong_cursor_is_refused(database, results, sort, cursor):
+    """Broken where a cursor of another list gives a page of this one, or reaches the database as it is."""
+    with pytest.raises(CursorBad):
+        find_page(database, JobQuery(sort=sort, cursor=cursor))
+
+
+def test_a_page_has_one_beginning(database, results):
+    """Broken where an offset beside a cursor is quietly dropped."""
+    page = find_page(database, JobQuery(limit=1))
+    with pytest.raises(QueryBad):
+        find_page(database, JobQuery(limit=1, offset=1, cursor=page.next))
+
+
+@given(
+    value=st.none() | st.text(max_size=255) | st.floats(allow_nan=False, allow_infinity=False),
+    created=st.floats(0, 4e9),
+)
+def test_a_cursor_comes_back(value, created):
+    """Broken where a name in another script, or the last digit of a time, is lost on the way."""
+    cursor = Cursor("-name", value, created, "3685ecfd4f81")
+    if isinstance(value, str) and not value.isprintable():
+        with pytest.raises(CursorBad):
+            decode_cursor(cursor.encode(), "-name")
+    else:
+        assert decode_cursor(cursor.encode(), "-name") == cursor
