@@ -252,7 +252,7 @@ class NewShare(Share):
     path: str
 
 
-class Shares(Answer):
+class Shares(Whole):
     """List links to a result."""
 
     shares: list[Share]

@@ -11,7 +11,7 @@ from ..share_records import SHARE_PATH
 from ..shares import create_share, list_shares, revoke_share
 from .access import AppStateDependency, Reader, Submitter, find_own
 from .answers import NewShare, Share, Shares
-from .problems import show_answer
+from .problems import show_answer, show_list
 from .schemas import ShareIn
 
 router = APIRouter(prefix="/jobs/{job}/shares", tags=["shares"])
@@ -40,12 +40,12 @@ def create(job: str, payload: ShareIn, rooms: AppStateDependency, caller: Submit
 
 @router.get(
     "", name="list_shares", summary="List the links of a result.",
-    responses=show_answer({"shares": [EXAMPLE]}, model=Shares),
+    responses=show_answer(show_list("shares", [EXAMPLE]), model=Shares),
 )  # fmt: skip
 def list_all(job: str, rooms: AppStateDependency, caller: Reader) -> Any:
     """Return the caller's valid links to a result, without their tokens."""
     row = find_own(rooms, caller, job)
-    return {"shares": [one.as_json() for one in list_shares(rooms.database, row.id, _find_maker(caller))]}
+    return show_list("shares", [one.as_json() for one in list_shares(rooms.database, row.id, _find_maker(caller))])
 
 
 @router.delete(
