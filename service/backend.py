@@ -58,6 +58,13 @@ class Backend(Protocol):
             JobUnknown: if no job, or more than one, matches.
         """
 
+    def wait_job(self, job: str, seconds: float) -> JobReport:
+        """Return a job as soon as it has ended, or as it is after some seconds; a service waits for at most 60 s.
+
+        Raises:
+            JobUnknown: as `find_job` raises it.
+        """
+
     def find_jobs_by_id(self, ids: Sequence[str], below: bool = False) -> list[Job]:
         """Return the progress of some jobs, in the order of the ids; with `below`, then of all jobs below them.
 

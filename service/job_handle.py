@@ -25,6 +25,10 @@ if TYPE_CHECKING:
 __all__ = ["JobHandle"]
 
 
+WAIT_SECONDS = 30.0
+"""Time for which one request waits for a job's end [s]; a proxy closes a silent connection after 60."""
+
+
 class JobUnsuccessful(GarmentqError):
     """The job has ended without a result; its message says why, `retry()` queues it again."""
 
@@ -150,11 +154,13 @@ class JobHandle:
         end = None if timeout is None else time.monotonic() + timeout
         while True:
             known = [one for one in self._backend.find_jobs_by_id([self.id], below=True) if one.kind != REDRAPE]
-            if all(one.state in ENDED for one in known):
+            unended = [one for one in known if one.state not in ENDED]
+            if not unended:
                 break
-            if end is not None and time.monotonic() > end:
+            left = WAIT_SECONDS if end is None else end - time.monotonic()
+            if left < 0.0:
                 raise JobUnended(f"job {self.id} has not ended after {timeout:.0f} s; wait again, it goes on.")
-            time.sleep(self._backend.poll_seconds)
+            self._backend.wait_job(unended[0].id, min(left, WAIT_SECONDS))
         self.refresh()
         for one in known:
             self._check_succeeded(one)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import time
 from collections.abc import Sequence
 from functools import cached_property, partial
 from pathlib import Path
@@ -41,7 +42,7 @@ from .renaming import rename_family
 from .services import Services, open_services
 from .settings import ServiceSettings
 from .share_records import DEFAULT_SHARE_DAYS, SHARE_PATH, Share
-from .states import State
+from .states import ENDED, State
 from .subject_records import Subject, SubjectFields, SubjectReport
 from .versions import Version, list_versions
 from .webhook_records import Receipt, Webhook
@@ -80,6 +81,13 @@ class LocalBackend:
     def find_job(self, job: str) -> JobReport:
         """Return a job by its id, or by a beginning of the id that no other job has."""
         return results.report_jobs(self._database, [jobs.find_job(self._database, job)], self.settings)[0]
+
+    def wait_job(self, job: str, seconds: float) -> JobReport:
+        """Return a job as soon as it has ended, or as it is after some seconds."""
+        until = time.monotonic() + seconds
+        while (left := until - time.monotonic()) > 0.0 and jobs.find_job(self._database, job).state not in ENDED:
+            time.sleep(min(self.poll_seconds, left))
+        return self.find_job(job)
 
     def find_jobs_by_id(self, ids: Sequence[str], below: bool = False) -> list[Job]:
         """Return the progress of some jobs, in the order of the ids; with `below`, then of all jobs below them."""

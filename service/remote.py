@@ -27,7 +27,7 @@ import httpx
 
 from ..core.body.spec import BuiltinWearer
 from ..core.recover.settings import WAIT
-from ..core.run.errors import NotFound
+from ..core.run.errors import GarmentqError, NotFound
 from .connection import MAX_REQUEST_TRIES, Connection, ServiceUnreachable
 from .derived import DerivedOrder
 from .jobs import order_by_ids
@@ -57,6 +57,9 @@ REMOTE_POLL_INTERVAL = 0.5
 
 UPLOADS = {"body": "bodies", "motion": "motions", "pattern": "patterns"}
 """Kind of upload of each file of a derived job, by its field."""
+
+MAX_WAIT_SECONDS = 60.0
+"""Longest time for which one request waits for a job's end [s], the service's limit."""
 
 ID_LENGTH = 12
 """Number of letters of a job's complete id."""
@@ -182,6 +185,21 @@ class RemoteBackend(RemoteSubjects):
     def find_job(self, job: str) -> JobReport:
         """Return a job by its id, or by a beginning of the id that no other job has."""
         found = self._ask("GET", f"/v1/jobs/{quote(job, safe='')}")
+        return read(lambda: JobReport.from_json(found))
+
+    def wait_job(self, job: str, seconds: float) -> JobReport:
+        """Return a job as soon as it has ended, or as it is after some seconds, at most 60.
+
+        Of a key that has all its streams open the job is returned after a moment.
+        """
+        params = {"wait": round(min(max(seconds, 0.0), MAX_WAIT_SECONDS), 3)}
+        try:
+            found = self._ask("GET", f"/v1/jobs/{quote(job, safe='')}", params=params)
+        except GarmentqError as error:
+            if error.code != "request.streams_full":
+                raise
+            time.sleep(min(self.poll_seconds, max(seconds, 0.0)))
+            return self.find_job(job)
         return read(lambda: JobReport.from_json(found))
 
     def find_jobs_by_id(self, ids: Sequence[str], below: bool = False) -> list[Job]:

@@ -40,6 +40,7 @@ from .access import AppState, AppStateDependency, Reader, Submitter, find_own
 from .answers import Asked, Changed, Job, Jobs, Versions
 from .problems import RequestBad, show_answer, show_list
 from .schemas import AnyJobIn, DerivedIn, JobIn, PartIn, Text
+from .waiting import MAX_WAIT_SECONDS, wait_for_end
 
 router = APIRouter(prefix="/jobs", tags=["jobs"])
 
@@ -149,9 +150,22 @@ def list_jobs(
 @router.get(
     "/{job}", name="show_job", summary="Show a job and its report.", responses=show_answer(EXAMPLE, model=Job),
 )  # fmt: skip
-def show_one(job: str, rooms: AppStateDependency, caller: Reader) -> Any:
-    """Return one job; a local user may name it by its first letters."""
-    return show_job(rooms, find_own(rooms, caller, job))
+async def show_one(
+    job: str,
+    request: Request,
+    rooms: AppStateDependency,
+    caller: Reader,
+    wait: Annotated[float, Query(ge=0, le=MAX_WAIT_SECONDS, description="Longest wait for the job's end [s].")] = 0.0,
+) -> Any:
+    """Return one job; with `wait` as soon as it has ended, or as it is after that time.
+
+    A local user may name it by its first letters.
+    """
+    row = await run_in_threadpool(find_own, rooms, caller, job)
+    if wait:
+        await wait_for_end(rooms, request, caller.key, row.id, wait)
+        row = await run_in_threadpool(find_own, rooms, caller, row.id)
+    return await run_in_threadpool(show_job, rooms, row)
 
 
 @router.get(

@@ -53,7 +53,7 @@ class LimitedCalls:
             LimitedOpen, LimitedFull: if its turn does not come in time.
             HTTPException: 499 if the client disconnected.
         """
-        disconnected = asyncio.create_task(_wait_gone(request))
+        disconnected = asyncio.create_task(wait_gone(request))
         stopped = threading.Event()
         try:
             turn = await self._wait_for_turn(key, disconnected)
@@ -70,7 +70,7 @@ class LimitedCalls:
                 stopped.set()
             return await asyncio.shield(running)
         except Cancelled:
-            raise _refuse_gone() from None
+            raise refuse_gone() from None
         finally:
             stopped.set()
             disconnected.cancel()
@@ -88,14 +88,15 @@ class LimitedCalls:
                         raise
                 await asyncio.wait({disconnected}, timeout=LIMITED_CALL_POLL_INTERVAL)
                 if disconnected.done():
-                    raise _refuse_gone()
+                    raise refuse_gone()
 
 
-def _refuse_gone() -> HTTPException:
+def refuse_gone() -> HTTPException:
+    """Return the refusal that the log shows for a client that disconnected."""
     return refuse(499, "request.gone", "the client disconnected.")
 
 
-async def _wait_gone(request: Request) -> None:
+async def wait_gone(request: Request) -> None:
     """Wait until the client has closed the connection, or aborts a body that is not read."""
     with suppress(HTTPException, GarmentqError):
         while (await request.receive())["type"] != "http.disconnect":

@@ -118,6 +118,10 @@ def ask_everything(service: Client, finished: str, folder: Path, settings) -> No
     service.poll_events(job), service.read_queue(), service.cancel(job), service.retry(job), service.cancel(job)
     service.delete_job(job)
     assert [one.job for one in service.list_versions(finished)] == [finished]
+    service.rename(finished, "anna", ["march"])
+    share, _ = service.create_share(finished)
+    assert [one.id for one in service.list_shares(finished)] == [share.id]
+    service.revoke_share(finished, share.id)
     service.list_artifacts(finished), service.export_files(finished, folder / "out", ["pattern.svg"])
     assert service.read_archive(finished).startswith(b"PK")
     refused(service.read_export, finished, "nosuch.pdf")
