@@ -1,4 +1,4 @@
 """The history of the tables, run by Alembic."""
 
-HEAD = "0018"
+HEAD = "0019"
 """The newest revision; a test compares it with the scripts, so that an up-to-date database is told without Alembic."""

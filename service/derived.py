@@ -95,7 +95,8 @@ def submit_derived(services: Services, order: DerivedOrder, is_stopped: IsStoppe
         for name, job in more.items():
             _check_files(session, job, kind.choose_input(checked, name))
         inputs = {name: one.id for one, (name, _, _) in zip(rows, reads, strict=True)} | more
-        return add_job(session, JobRequest(kind.name, request, row.scan, inputs, order.terms.complete(row.name)))
+        terms = order.terms.complete(row.name)
+        return add_job(session, JobRequest(kind.name, request, row.scan, inputs, terms, lane=kind.lane))
 
 
 def _choose_kind(services: Services, order: DerivedOrder) -> Kind:

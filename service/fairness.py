@@ -1,4 +1,6 @@
-"""Choice of the next queued job: highest priority, then the payer served longest ago, then that payer's oldest job.
+"""Choice of the next queued job: first lane, highest priority, payer served longest ago, that payer's oldest family.
+
+A family's jobs stand at the time of its root: the garments of a person go before the next person.
 
 A payer is the API key that a job counts for, or empty: a thousand jobs of one payer do not delay all others. Each step
 reads the first entries of the index `ix_jobs_urgency`, so the cost does not grow with the queue.
@@ -27,13 +29,15 @@ def choose_job(session: Session, wakeup: str) -> str | None:
     """Return the id of the next job in the queue of a woken job, locked; None if that queue is empty."""
     queue = session.scalar(select(JobRow.queue).where(JobRow.id == wakeup))
     waits = (JobRow.state == State.QUEUED) & (JobRow.queue == queue) & JobRow.cancel.is_(False) & is_due()
-    urgency = session.scalar(select(JobRow.priority).where(waits).order_by(JobRow.priority.desc()).limit(1))
-    if urgency is None:
+    order = JobRow.lane, JobRow.priority.desc()
+    first = session.execute(select(JobRow.lane, JobRow.priority).where(waits).order_by(*order).limit(1)).one_or_none()
+    if first is None:
         return None
-    waits &= JobRow.priority == urgency
+    waits &= (JobRow.lane == first.lane) & (JobRow.priority == first.priority)
     for payer in _rank_payers(session, waits):
-        first = select(JobRow.id).where(waits, JobRow.payer == payer).order_by(JobRow.created, JobRow.id).limit(1)
-        if (job := session.scalar(first.with_for_update(skip_locked=True))) is not None:
+        order_of_age = JobRow.family_created, JobRow.created, JobRow.id
+        oldest = select(JobRow.id).where(waits, JobRow.payer == payer).order_by(*order_of_age).limit(1)
+        if (job := session.scalar(oldest.with_for_update(skip_locked=True))) is not None:
             _note_served(session, payer)
             return job
     return None

@@ -19,6 +19,7 @@ from .database import Database, skip_damaged_rows
 from .jobs import IDS_AT_ONCE, JobUnknown, change_state, create, record
 from .keys import check_quota, grant_job
 from .kinds.kind import PARENT, ChildRequest
+from .lanes import Lane
 from .models import IdempotencyRow, JobInputRow, JobRow, JobTagRow, JobWaitRow, OwnerRow, SubjectJobRow
 from .new_job import NewJob
 from .states import OPEN, UNSUCCESSFUL, State
@@ -312,6 +313,7 @@ def _describe(
         child.name,
         priority=parent.priority if child.priority is None else min(parent.priority, child.priority),
         queue=child.queue or parent.queue,
+        lane=Lane(parent.lane) if child.lane is None else child.lane,
         payer=parent.payer,
         tags=tags,
         inputs={name: places.get(read, read) for name, read in child.inputs.items()},

@@ -15,14 +15,13 @@ from sqlalchemy import ColumnElement, Update, and_, select, update
 from sqlalchemy.orm import Session
 
 from .. import __version__
-from ..core.run.errors import BadInput, GarmentqError, NotFound, Unavailable
+from ..core.run.errors import BadInput, GarmentqError, NotFound
 from ..core.run.verdict import Verdict, worst_verdict
 from .database import Database, change_rows, clock, skip_damaged_rows, starts_with
 from .fairness import choose_job
 from .listed import RESULT_FIELDS, list_request, read_listed_settings
 from .models import EventRow, JobInputRow, JobRow, JobTagRow, JobWaitRow, OutboxRow
 from .new_job import NewJob
-from .outage import find_pause
 from .shown_errors import show_message
 from .states import ENDED, TRANSITIONS, State
 from .webhooks import queue_messages
@@ -36,7 +35,7 @@ WORKER_LOST_CODE, WORKER_LOST_EVENT = "job.worker_lost", "worker_lost"
 RETRY_DEFAULTS = {
     "attempts": 0, "cancel": False, "finished": None, "stage": "", "progress": 0.0, "overall": 0.0,
     "bad_input": False, "error_code": None, "error_message": None, "verdict": None, "result": None,
-    "delays": 0, "delay_code": None, "not_before": None, **dict.fromkeys(RESULT_FIELDS),
+    "preemptions": 0, "delays": 0, "delay_code": None, "not_before": None, **dict.fromkeys(RESULT_FIELDS),
 }  # fmt: skip
 """Values that are reset when an ended job is retried."""
 
@@ -91,10 +90,12 @@ class HeartbeatResult:
     Attributes:
         is_owner: False if another worker has claimed the job since.
         is_cancelled: True if the job was cancelled.
+        is_preempted: True if the job is to give way to a more urgent one.
     """
 
     is_owner: bool
     is_cancelled: bool
+    is_preempted: bool = False
 
 
 def record(session: Session, job: str, kind: str, /, **data: Any) -> None:
@@ -105,8 +106,9 @@ def record(session: Session, job: str, kind: str, /, **data: Any) -> None:
 def create(session: Session, new: NewJob) -> JobRow:
     """Add a job with its first event: queued, or waiting if it waits for siblings."""
     job = uuid.uuid4().hex[:12]
-    columns = ("dedup", "kind", "request", "scan", "name", "priority", "queue", "payer")
+    columns = ("dedup", "kind", "request", "scan", "name", "priority", "queue", "payer", "lane")
     parent, family = new.parent or (None, job)
+    since = clock() if parent is None else select(JobRow.family_created).where(JobRow.id == parent).scalar_subquery()
     row = JobRow(
         id=job,
         parent=parent,
@@ -115,6 +117,7 @@ def create(session: Session, new: NewJob) -> JobRow:
         state=State.WAITING if new.waits else State.QUEUED,
         touched=clock(),
         created=clock(),
+        family_created=since,
         **{name: getattr(new, name) for name in columns},
         **read_listed_settings(new.request),
     )
@@ -186,20 +189,24 @@ def claim_next(database: Database, wakeup: str, owner: str, lease_seconds: float
 def renew(database: Database, claim: Claim, lease_seconds: float) -> HeartbeatResult:
     """Renew the lease and read the cancel flag in one statement."""
     with database.write() as session:
-        cancel = session.execute(
+        row = session.execute(
             _update_claimed(claim)
             .values(lease_until=clock() + lease_seconds, touched=clock())
-            .returning(JobRow.cancel)
+            .returning(JobRow.cancel, JobRow.preempt)
             .execution_options(synchronize_session=False)
-        ).scalar_one_or_none()
-    return HeartbeatResult(cancel is not None, bool(cancel))
+        ).one_or_none()
+    return _read_flags(row)
 
 
-def read_cancel_flag(database: Database, claim: Claim) -> HeartbeatResult:
-    """Read the cancel flag without renewing the lease."""
+def read_flags(database: Database, claim: Claim) -> HeartbeatResult:
+    """Read the flags of a claimed job without renewing the lease."""
     with database.read() as session:
-        cancel = session.execute(select(JobRow.cancel).where(_matches_claim(claim))).scalar_one_or_none()
-    return HeartbeatResult(cancel is not None, bool(cancel))
+        row = session.execute(select(JobRow.cancel, JobRow.preempt).where(matches_claim(claim))).one_or_none()
+    return _read_flags(row)
+
+
+def _read_flags(row: Any) -> HeartbeatResult:
+    return HeartbeatResult(False, False) if row is None else HeartbeatResult(True, bool(row.cancel), bool(row.preempt))
 
 
 def write_fenced(session: Session, claim: Claim, **values: Any) -> None:
@@ -265,32 +272,6 @@ def end_cancelled(database: Database, claim: Claim) -> None:
         change_state(session, claim, State.CANCELLED, "cancelled")
 
 
-@skip_damaged_rows
-def release(database: Database, claim: Claim) -> None:
-    """Return a running job to the queue; the attempt does not count, because the worker was stopped.
-
-    Raises:
-        FenceLost: if another worker has claimed the job.
-    """
-    with database.write() as session:
-        _requeue(session, claim, "released")
-
-
-@skip_damaged_rows
-def reschedule(database: Database, claim: Claim, outage: Unavailable, first_seconds: float) -> None:
-    """Return a running job to the queue with a pause: a resource is unavailable, and the attempt does not count.
-
-    Raises:
-        FenceLost: if another worker has claimed the job.
-    """
-    with database.write() as session:
-        delays = session.scalar(select(JobRow.delays).where(_matches_claim(claim))) or 0
-        pause = find_pause(first_seconds, delays)
-        rest = {"delays": delays + 1, "delay_code": outage.code, "not_before": clock() + pause}
-        note = {"code": outage.code, "message": show_message(outage), "seconds": pause}
-        _requeue(session, claim, "put_off", note, **rest)
-
-
 def expire(session: Session, row: JobRow, max_attempts: int) -> None:
     """End the claim of an expired lease: requeue the job, or end it if it was cancelled or lost too often."""
     note = {"owner": row.owner, "attempt": row.attempts}
@@ -352,14 +333,6 @@ def read_events(database: Database, job: str, after: int = 0, limit: int | None 
         return list(session.scalars(statement.order_by(EventRow.id).limit(limit)))
 
 
-def _requeue(session: Session, claim: Claim, event: str, note: dict[str, Any] | None = None, **values: Any) -> None:
-    """Queue a running job whose attempt does not count."""
-    if session.scalar(select(JobRow.cancel).where(_matches_claim(claim)).with_for_update()):
-        change_state(session, claim, State.CANCELLED, "cancelled")  # no worker claims a cancelled job from the queue
-    else:
-        change_state(session, claim, State.QUEUED, event, note, attempts=JobRow.attempts - 1, **values)
-
-
 def _claim(session: Session, job: str, owner: str, lease_seconds: float) -> Claim | None:
     row = session.execute(
         update(JobRow)
@@ -371,6 +344,7 @@ def _claim(session: Session, job: str, owner: str, lease_seconds: float) -> Clai
             attempts=JobRow.attempts + 1,
             fence=JobRow.fence + 1,
             not_before=None,
+            preempt=False,
             started=clock(),
             touched=clock(),
         )
@@ -385,12 +359,13 @@ def _claim(session: Session, job: str, owner: str, lease_seconds: float) -> Clai
     return Claim(job, row.fence, owner, row.attempts, row.request, row.name, row.kind, inputs)
 
 
-def _matches_claim(claim: Claim) -> ColumnElement[bool]:
+def matches_claim(claim: Claim) -> ColumnElement[bool]:
+    """Return the condition of the claimed job's row while the claim is valid."""
     return and_(JobRow.id == claim.job, JobRow.fence == claim.fence, JobRow.state == State.RUNNING)
 
 
 def _update_claimed(claim: Claim) -> Update:
-    return update(JobRow).where(_matches_claim(claim))
+    return update(JobRow).where(matches_claim(claim))
 
 
 def _describe_loss(session: Session, row: JobRow) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from .derived import InputWrong
 from .kinds import FileRef, pack_request, read_request
 from .kinds.person_request import PersonRequest
+from .lanes import Lane
 from .results import ResultMissing, export_files, list_files, report_jobs
 from .submission import PERSON_KIND, JobRequest, SubmissionResult, add_job, check_wearing
 from .terms import JobTerms
@@ -74,7 +75,8 @@ def _queue(services: Services, row: JobRow, request: PersonRequest, owner: JobTe
     terms = replace(owner, name=row.name, tags=tuple(report.tags), queue=row.queue)
     packed = pack_request(replace(request, given_as="person"))
     with services.database.write() as session:
-        return add_job(session, JobRequest(PERSON_KIND, packed, row.scan, terms=terms, before=row.id))
+        order = JobRequest(PERSON_KIND, packed, row.scan, terms=terms, before=row.id, lane=Lane.INTERACTIVE)
+        return add_job(session, order)
 
 
 def _correct_labels(services: Services, row: JobRow, points: Path) -> FileRef:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from sqlalchemy import ForeignKey, Index, text
+from sqlalchemy import ForeignKey, Index, false, text
 from sqlalchemy.orm import Mapped, mapped_column
 
 from .columns import SERIAL, Whole, Words
@@ -46,7 +46,17 @@ class JobRow(Base):
 
     __tablename__ = "jobs"
     __table_args__ = (
-        Index("ix_jobs_urgency", "state", "queue", text("priority DESC"), "payer", "created", "id"),
+        Index(
+            "ix_jobs_urgency",
+            "state",
+            "queue",
+            "lane",
+            text("priority DESC"),
+            "payer",
+            "family_created",
+            "created",
+            "id",
+        ),
         Index("ix_jobs_lease_until", "lease_until"),
         Index("ix_jobs_created", "created"),
         Index("ix_jobs_payer_state", "payer", "state"),
@@ -67,8 +77,12 @@ class JobRow(Base):
     priority: Mapped[int] = mapped_column(default=0)
     queue: Mapped[str] = mapped_column(Words(16), default="cpu", server_default="cpu")
     payer: Mapped[str] = mapped_column(Words(16), default="", server_default="")
+    lane: Mapped[int] = mapped_column(default=2, server_default="2")
+    family_created: Mapped[float] = mapped_column(default=0.0, server_default="0")
     state: Mapped[State]
     cancel: Mapped[bool] = mapped_column(default=False)
+    preempt: Mapped[bool] = mapped_column(default=False, server_default=false())
+    preemptions: Mapped[int] = mapped_column(default=0, server_default="0")
     attempts: Mapped[int] = mapped_column(default=0)
     fence: Mapped[int] = mapped_column(default=0)
     owner: Mapped[str | None] = mapped_column(Words(255))

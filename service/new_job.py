@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from .lanes import Lane
 from .states import QUEUES
 
 
@@ -21,6 +22,7 @@ class NewJob:
         name: Its name.
         priority: A larger one goes first.
         queue: One of `QUEUES`.
+        lane: What goes first.
         payer: Id of the API key whose quota it counts for; empty: none.
         tags: Words by which it can be found.
         inputs: Ids of the ended jobs whose results it reads, by the name of the folder in which it finds them.
@@ -35,6 +37,7 @@ class NewJob:
     name: str
     priority: int = 0
     queue: str = QUEUES[0]
+    lane: Lane = Lane.BATCH
     payer: str = ""
     tags: tuple[str, ...] = ()
     inputs: Mapping[str, str] = field(default_factory=dict)

@@ -29,6 +29,7 @@ from .kinds import FileRef, pack_request
 from .kinds.person_request import PartChoice, PersonRequest
 from .kinds.recover import Recover
 from .kinds.recover_request import RecoverRequest
+from .lanes import Lane, choose_lane
 from .models import JobRow, JobTagRow, OwnerRow, ScanRow, SubjectJobRow, SubjectRow
 from .new_job import NewJob
 from .order import Order, is_person
@@ -78,6 +79,7 @@ class JobRequest:
         inputs: Ids of the jobs whose results it reads, by the name of the folder in which it finds them.
         terms: How it is queued, with its name.
         before: Id of the job that it repeats with other settings, whose subject it has; empty: none.
+        lane: Which jobs it goes before.
     """
 
     kind: str
@@ -86,6 +88,7 @@ class JobRequest:
     inputs: Mapping[str, str] = field(default_factory=dict)
     terms: JobTerms = field(default_factory=JobTerms)
     before: str = ""
+    lane: Lane = Lane.BATCH
 
 
 @dataclass(frozen=True)
@@ -139,7 +142,8 @@ def submit(database: Database, store: Store, order: Order, check: Check | None =
             name = request["scan"]["name"]
             session.add(ScanRow(sha256=scan.sha256, name=name, size=scan.size, created=clock()))
             session.flush()
-        done = add_job(session, JobRequest(kind, request, scan.sha256, terms=terms))
+        lane = choose_lane(request["settings"])
+        done = add_job(session, JobRequest(kind, request, scan.sha256, terms=terms, lane=lane))
     return replace(done, understood=understood)
 
 
@@ -167,8 +171,8 @@ def add_job(session: Session, order: JobRequest) -> SubmissionResult:
         return SubmissionResult(row.id, False, row.state)
     check_quota(session, terms.key, terms.quota)
     new = NewJob(
-        dedup, order.kind, order.request, order.scan, terms.name, terms.priority, terms.queue, terms.key, terms.tags,
-        order.inputs,
+        dedup, order.kind, order.request, order.scan, terms.name, terms.priority, terms.queue, order.lane, terms.key,
+        terms.tags, order.inputs,
     )  # fmt: skip
     made = create(session, new)
     grant_job(session, terms.key, made.id)

@@ -20,17 +20,18 @@ from typing import Any
 
 import numpy as np
 
-from ..core.run.errors import BadInput, GarmentqError, Unavailable
+from ..core.run.errors import BadInput, Cancelled, GarmentqError, Unavailable
 from ..core.run.hooks import Arrays, Hooks
 from ..core.run.sandbox import is_memory_short
 from ..service.checking import STAGE, check_files
 from ..service.columns import RowDamaged
 from ..service.database import Database, DatabaseUnreachable
-from ..service.jobs import Claim, FenceLost, claim_next, end_cancelled, fail, release, reschedule
+from ..service.jobs import Claim, FenceLost, claim_next, end_cancelled, fail
 from ..service.kinds import Kind, KindChange, RunContext, find_files, find_kind, read_request
 from ..service.outage import find_outage, note_outage
 from ..service.private import make_private
 from ..service.progress import Pace, ProgressEstimator, learn_pace, report
+from ..service.requeueing import PREEMPTED_EVENT, give_way, release, reschedule
 from ..service.results import CHECKPOINT, PREVIOUS, export_files, load_checkpoint, save_checkpoint, store_result
 from ..service.services import Services
 from ..service.settings import ServiceSettings
@@ -68,7 +69,7 @@ def run_job(
         mark: End of the owner's name, by which the parent finds the claim of a dead child.
 
     Returns:
-        The outcome: `unclaimed`, `succeeded`, `failed`, `cancelled`, `released`, `put_off` or `lost`.
+        The outcome: `unclaimed`, `succeeded`, `failed`, `cancelled`, `released`, `preempted`, `put_off` or `lost`.
     """
     if is_draining():
         return "unclaimed"  # the job stays queued, and another worker's reaper publishes it again
@@ -135,6 +136,10 @@ def _work(services: Services, claim: Claim, watch: LeaseKeeper) -> str:
         if watch.reason:
             watch.end()
             return _stop(database, claim, watch.reason, settings.max_seconds)
+        if isinstance(error, Cancelled) and watch.must_stop():
+            watch.end()
+            persist(partial(give_way, database, claim), watch)
+            return PREEMPTED_EVENT
         if not isinstance(error, Exception) or isinstance(error, DatabaseUnreachable):
             raise
         if (outage := find_outage(error)) is not None:
@@ -247,6 +252,7 @@ def make_hooks(database: Database, store: Store, claim: Claim, watch: LeaseKeepe
         np.savez(buffer, **{key: np.asarray(value) for key, value in arrays.items()})  # type: ignore[arg-type]
         with tolerate_outage(claim.job, make_note(claim, last["stage"])):
             save_checkpoint(database, store, claim, name, buffer.getvalue())
+            watch.note_checkpoint()
 
     def load(name: str) -> Arrays | None:
         for kind in (CHECKPOINT, PREVIOUS):

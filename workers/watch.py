@@ -12,7 +12,7 @@ from typing import Any
 
 from ..core.run.errors import GarmentqError
 from ..service.database import Database
-from ..service.jobs import Claim, HeartbeatResult, read_cancel_flag, renew
+from ..service.jobs import Claim, HeartbeatResult, read_flags, renew
 
 BEATS_PER_LEASE = 4
 """Number of heartbeats in one lease: three may fail before another worker takes over."""
@@ -24,6 +24,10 @@ INTERRUPT_SHARE = 0.5
 
 IMPORT_SYSTEM_FILE = "<frozen importlib"
 """Beginning of the file names of Python's import system in frames."""
+
+CHECKPOINT_WAIT_SECONDS = 8.0
+"""Longest wait of a preempted job for its next checkpoint [s]; then it stops between two iterations, and loses what it
+has computed since the last one."""
 
 
 class JobInterrupted(BaseException):
@@ -47,7 +51,8 @@ class LeaseKeeper:
     with other jobs. What runs in compiled code for longer is ended with its process.
 
     Attributes:
-        reason: Empty while the job may continue; else `lost`, `cancelled`, `released` or `too_long`.
+        reason: Empty while the job may continue, or is only preempted; else `lost`, `cancelled`, `released` or
+            `too_long`.
         database: The job's database.
     """
 
@@ -87,6 +92,8 @@ class LeaseKeeper:
         self._job_thread = 0
         self._handler: Any = None
         self._is_interrupted = False
+        self._preempted: float | None = None
+        self._gives_way = False
         self._thread = threading.Thread(target=self._run, name=f"watch-{claim.job}", daemon=True)
 
     def __enter__(self) -> LeaseKeeper:
@@ -109,8 +116,13 @@ class LeaseKeeper:
         self._ended.set()
 
     def must_stop(self) -> bool:
-        """Return whether the job must stop; `reason` says why."""
-        return bool(self.reason)
+        """Return whether the job must stop; `reason` says why, and is empty if the job is preempted."""
+        return bool(self.reason) or self._gives_way
+
+    def note_checkpoint(self) -> None:
+        """Let a preempted job stop now, right after a checkpoint."""
+        if self._preempted is not None:
+            self._gives_way = True
 
     def _run(self) -> None:
         started = renewed = time.monotonic()
@@ -119,18 +131,26 @@ class LeaseKeeper:
             is_due = now - renewed >= self._lease / BEATS_PER_LEASE
             try:
                 pulse = (
-                    renew(self.database, self._claim, self._lease)
-                    if is_due
-                    else read_cancel_flag(self.database, self._claim)
+                    renew(self.database, self._claim, self._lease) if is_due else read_flags(self.database, self._claim)
                 )
             except GarmentqError:  # the database is unavailable; the fence will show whose the job is
                 pulse = HeartbeatResult(is_owner=True, is_cancelled=False)
             else:
                 renewed = now if is_due else renewed
+                self._note_preemption(pulse.is_preempted, now)
             self.reason = self._judge(pulse, now - started)
             if self.reason:
                 self._keep_alive()
                 return
+
+    def _note_preemption(self, is_preempted: bool, now: float) -> None:
+        """Note since when the job is to give way; a job that has begun to stop goes on doing so."""
+        if not is_preempted:
+            self._preempted = None
+        elif self._preempted is None:
+            self._preempted = now
+        elif now - self._preempted > CHECKPOINT_WAIT_SECONDS:
+            self._gives_way = True
 
     def _judge(self, pulse: HeartbeatResult, seconds: float) -> str:
         if not pulse.is_owner:

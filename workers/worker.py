@@ -32,6 +32,7 @@ from ..service.event_counts import settle_event_counts
 from ..service.families import release_waiting_jobs
 from ..service.home import use_home
 from ..service.logs import set_up_logs
+from ..service.preemption import preempt
 from ..service.reaper import (
     DISPATCHER_LEASE,
     FORGET_SECONDS,
@@ -166,6 +167,7 @@ class DispatcherStep(bootsteps.StartStopStep):
             reap(self.database, self.settings.max_attempts)
         release_waiting_jobs(self.database)
         republish_stalled_jobs(self.database, self.settings.republish_seconds, lambda: count_messages(self.app) == 0)
+        preempt(self.database)
         dispatch(self.database, lambda job, queue: publish(self.app, job, queue))
         self._send_messages()
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from sqlalchemy.orm import Session
 
 from ..jobs import Claim
+from ..lanes import Lane
 from ..models import JobRow
 from .dress_request import BODY, RESULT, UNDER, DressRequest
 from .kind import Kind, Outcome, RunContext
@@ -40,6 +41,7 @@ class Dress(Kind):
     name = "dress"
     request = DressRequest
     stages: ClassVar[tuple[str, ...]] = ("check", "body", "drape", "measure")
+    lane = Lane.INTERACTIVE
     reads = MappingProxyType({RESULT: GARMENTS})
     reads_too = MappingProxyType({UNDER: GARMENTS})
     persons = "outfit"

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from sqlalchemy.orm import Session
 
 from ..jobs import Claim
+from ..lanes import Lane
 from ..models import JobInputRow, JobRow
 from ..patterns import refuse_unsound
 from .dress import GARMENT_FILES, GARMENTS
@@ -33,6 +34,7 @@ class Edit(Kind):
     name = "edit"
     request = EditRequest
     stages: ClassVar[tuple[str, ...]] = ("check", "drape", "measure")
+    lane = Lane.INTERACTIVE
     reads = MappingProxyType({RESULT: GARMENTS})
 
     def checker(self, settings: ServiceSettings) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from sqlalchemy.orm import Session
 
 from ..jobs import Claim
+from ..lanes import Lane
 from ..models import JobRow
 from .dress import GARMENTS
 from .dress_request import RESULT
@@ -36,6 +37,7 @@ class Export(Kind):
     name = "export"
     request = ExportRequest
     stages = ("check", "write")
+    lane = Lane.INTERACTIVE
     reads = MappingProxyType({RESULT: GARMENTS})
 
     def adopt(self, session: Session, request: dict[str, Any], row: JobRow) -> dict[str, Any]:

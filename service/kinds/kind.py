@@ -9,6 +9,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from ..lanes import Lane
+
 if TYPE_CHECKING:
     from sqlalchemy.orm import Session
 
@@ -37,6 +39,7 @@ class ChildRequest:
             name of a sibling that it waits for, or a job's id.
         queue: One of `QUEUES`; None: its parent's.
         priority: Its largest priority; None: its parent's.
+        lane: Its lane; None: its parent's.
     """
 
     name: str
@@ -46,6 +49,7 @@ class ChildRequest:
     inputs: Mapping[str, str] = field(default_factory=dict)
     queue: str | None = None
     priority: int | None = None
+    lane: Lane | None = None
 
 
 @dataclass(frozen=True)
@@ -106,6 +110,7 @@ class Kind(ABC):
         persons: Name of the kind that replaces this one if a person's job is named as the result; empty: none.
         reads_too: The same as `reads` for an optional input; `DerivedOrder.over` names its job.
         changes: Name of the input whose rows `store` changes too, of the job that made this one; empty: none.
+        lane: Lane of a derived job of this kind.
     """
 
     name: ClassVar[str]
@@ -115,6 +120,7 @@ class Kind(ABC):
     reads_too: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({})
     persons: ClassVar[str] = ""
     changes: ClassVar[str] = ""
+    lane: ClassVar[Lane] = Lane.BATCH
 
     def checker(self, settings: ServiceSettings) -> str:
         """Return the function that reads and checks the user's files: the first stage, in a limited process.

@@ -9,6 +9,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from ..jobs import Claim
+from ..lanes import Lane
 from ..models import JobRow
 from ..states import State
 from .dress import BODY_CHECKER, GARMENT_FILES
@@ -31,6 +32,7 @@ class Outfit(Kind):
     name = "outfit"
     request = OutfitRequest
     stages: ClassVar[tuple[str, ...]] = ("check", "body", "drape", "measure")
+    lane = Lane.INTERACTIVE
     reads = MappingProxyType({PERSON: ("person",)})
 
     def checker(self, settings: ServiceSettings) -> str:

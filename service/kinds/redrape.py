@@ -9,6 +9,7 @@ from sqlalchemy.orm import Session
 
 from ..jobs import Claim
 from ..judging import change_result
+from ..lanes import Lane
 from ..models import ArtifactRow, JobRow, MetricRow
 from .dress_request import RESULT
 from .kind import PARENT, ChildRequest, Kind, Outcome, RunContext
@@ -71,4 +72,5 @@ def order_redrape(recovery: Recovery) -> tuple[ChildRequest, ...]:
         return ()
     recovered = recovery.case.request
     request = RedrapeRequest(recovered.settings, recovered.template is not None)
-    return (ChildRequest(REDRAPE, REDRAPE, pack_request(request), inputs={RESULT: PARENT}, priority=REDRAPE_PRIORITY),)
+    after = {"priority": REDRAPE_PRIORITY, "lane": Lane.BATCH}
+    return (ChildRequest(REDRAPE, REDRAPE, pack_request(request), inputs={RESULT: PARENT}, **after),)

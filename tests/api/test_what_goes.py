@@ -8,8 +8,9 @@ import pytest
 from api_client import carrying
 from api_work import ask, code_of, finish, make_key, make_ply
 from garmentq.service.deletion import YOUNG_SECONDS
-from garmentq.service.jobs import claim, release
+from garmentq.service.jobs import claim
 from garmentq.service.models import ScanRow, UploadRow
+from garmentq.service.requeueing import release
 
 
 @pytest.fixture

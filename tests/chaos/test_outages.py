@@ -127,7 +127,7 @@ def test_what_is_an_outage_and_how_long_it_is_waited_for(database, store, queue_
     job = queue_job()
     held = claim(database, job, "a", 30.0)
     cancel(database, job)
-    from garmentq.service.jobs import reschedule
+    from garmentq.service.requeueing import reschedule
 
     reschedule(database, held, StorageFull(), 2.0)
     assert find_job(database, job).state == "cancelled", "a rest must not outlive the wish to stop"
@@ -145,7 +145,7 @@ def test_a_database_away_for_longer_than_a_lease(settings, database, queue_job, 
 
     with monkeypatch.context() as gone, LeaseKeeper(database, held, 0.2, 0.05, 60.0, never) as seen:
         gone.setattr(watch, "renew", away)
-        gone.setattr(watch, "read_cancel_flag", away)
+        gone.setattr(watch, "read_flags", away)
         leaps = ClockJumpGuard(60.0)
         leaps.note_outage()
         import time

@@ -26,7 +26,6 @@ from garmentq.service.jobs import (
     fail,
     find_job,
     read_events,
-    release,
     succeed,
 )
 from garmentq.service.keys import QueueFull, create_key
@@ -35,6 +34,7 @@ from garmentq.service.kinds.recover import RecoverRequest
 from garmentq.service.models import JobRow, OwnerRow
 from garmentq.service.query import JobQuery, find_jobs, parse_conditions
 from garmentq.service.reaper import is_idle, reap
+from garmentq.service.requeueing import release
 from garmentq.service.results import export_files, report_jobs
 from garmentq.service.states import ENDED, OPEN, TRANSITIONS, UNSUCCESSFUL, State
 from garmentq.service.submission import InputNotEnded, LabelBad, Order, submit

@@ -17,9 +17,8 @@ from garmentq.service.jobs import (
     end_cancelled,
     fail,
     find_job,
-    read_cancel_flag,
     read_events,
-    release,
+    read_flags,
     renew,
 )
 from garmentq.service.kinds.recover import Recover
@@ -35,6 +34,7 @@ from garmentq.service.reaper import (
     republish_stalled_jobs,
 )
 from garmentq.service.records import Progress
+from garmentq.service.requeueing import release
 from garmentq.service.results import load_checkpoint, save_checkpoint, store_result
 from garmentq_home import make_environment
 from garmentq_standin import make_recovery
@@ -112,7 +112,7 @@ def test_a_zombie_writes_nothing(database, store, queue_job, tmp_path):
         with pytest.raises(FenceLost):
             write()
     assert not renew(database, zombie, 30.0).is_owner
-    assert not read_cancel_flag(database, zombie).is_owner
+    assert not read_flags(database, zombie).is_owner
     with database.read() as session:
         assert session.scalar(select(func.count()).select_from(EventRow)) == events
         assert session.scalar(select(func.count()).select_from(ArtifactRow)) == 0
@@ -155,9 +155,9 @@ def test_cancel(database, queue_job):
     assert cancel(database, queued) == "cancelled"
     assert claim(database, queued, "a", 30.0) is None
     held = claim(database, running, "a", 30.0)
-    assert not read_cancel_flag(database, held).is_cancelled
+    assert not read_flags(database, held).is_cancelled
     assert cancel(database, running) == "running"
-    assert read_cancel_flag(database, held).is_cancelled and renew(database, held, 30.0).is_cancelled
+    assert read_flags(database, held).is_cancelled and renew(database, held, 30.0).is_cancelled
     end_cancelled(database, held)
     assert cancel(database, running) == "cancelled"
     with pytest.raises(JobUnknown):

@@ -18,10 +18,11 @@ from garmentq.service.api.app import make_app
 from garmentq.service.api.limits import ApiLimits
 from garmentq.service.database import Database, DatabaseDamaged, DatabaseEmpty, DatabaseTooOld, open_database
 from garmentq.service.health import find_troubles, hide_worker_names, read_queue
-from garmentq.service.jobs import claim, find_job, reschedule
+from garmentq.service.jobs import claim, find_job
 from garmentq.service.outage import note_outage
 from garmentq.service.query import JobQuery, QueryBad
 from garmentq.service.reaper import DISPATCHER_LEASE, acquire_leader_lease, record_heartbeat
+from garmentq.service.requeueing import reschedule
 from garmentq.service.settings import ServiceSettingBad, hide_password
 from garmentq.service.store import StoreUnreachable
 from garmentq.workers.recovery import run_job

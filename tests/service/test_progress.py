@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 
 import pytest
-from garmentq.service.jobs import claim, find_job, read_events, release
+from garmentq.service.jobs import claim, find_job, read_events
 from garmentq.service.metrics import prometheus_text
 from garmentq.service.models import JobRow
 from garmentq.service.progress import LEARNT_JOBS, Pace, ProgressEstimator, learn_pace, report
 from garmentq.service.records import Job, Progress
+from garmentq.service.requeueing import release
 from garmentq.service.states import State
 from garmentq.workers.recovery import run_job
 from sqlalchemy import text
