@@ -28,6 +28,9 @@ SERIAL = BigInteger().with_variant(Integer(), SQLITE)
 FORMS: dict[type, str] = {dict: "object", list: "array"}
 """SQL's names of the forms of JSON values."""
 
+MAX_GLOB_LENGTH = 100
+"""Largest length of a text that SQLite's GLOB searches [letters]: it takes 30 ns a letter, a Python function 1 us."""
+
 PLAIN = "*[^ -~]*"
 """Pattern (GLOB) of a text with a character outside printable ASCII: only such a text may be invalid UTF-8."""
 
@@ -242,7 +245,8 @@ def _compile_sound(element: is_sound, compiler: Any, **options: Any) -> str:
 
 def is_utf8(value: str) -> str:
     """Return the SQLite condition that a text, itself an SQL expression, is valid UTF-8."""
-    return f"CASE WHEN {value} GLOB '{PLAIN}' THEN garmentq_is_utf8(CAST({value} AS BLOB)) ELSE 1 END"
+    is_suspect = f"length({value}) > {MAX_GLOB_LENGTH} OR {value} GLOB '{PLAIN}'"
+    return f"CASE WHEN {is_suspect} THEN garmentq_is_utf8(CAST({value} AS BLOB)) ELSE 1 END"
 
 
 def bind_column_types(table: Any) -> None:
