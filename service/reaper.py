@@ -29,6 +29,9 @@ DISPATCHER_LEASE = "dispatcher"
 LEADER_LEASE_TIME = 5.0
 """Duration of a leader lease [s]: the longest delay of the queue after a dispatcher dies."""
 
+LOST_LEASE_SECONDS = 86400.0
+"""Time for which the lease of a process that is known to be dead counts as expired [s]: beyond any patience."""
+
 FORGET_SECONDS = 30.0
 """Time without a heartbeat after which a worker counts as dead [s]; it sends one every 5 s."""
 
@@ -59,17 +62,25 @@ def release_leader_lease(database: Database, name: str, owner: str) -> None:
 
 
 @skip_damaged_rows
-def reap(database: Database, max_attempts: int) -> int:
+def reap(database: Database, max_attempts: int, patience: float = 0.0) -> int:
     """Requeue the jobs whose lease has expired; one that was lost too often ends as `dead`.
+
+    Args:
+        database: The jobs' database.
+        max_attempts: Number of attempts after which a lost job ends.
+        patience: Time beyond the lease of a last attempt before it ends the job [s]: a worker on an overloaded machine
+            may be alive and renew it. A worker that is known to be dead has no such time.
 
     Returns:
         How many jobs were requeued or ended.
     """
+    may_live = (JobRow.attempts >= max_attempts) & ~JobRow.cancel & (JobRow.lease_until > clock() - patience)
+    is_lost = _is_expired() & ~may_live
     with database.read() as session:
-        if not session.execute(select(exists().where(_is_expired()))).scalar():
+        if not session.execute(select(exists().where(is_lost))).scalar():
             return 0
     with database.write() as session:
-        expired = session.scalars(select(JobRow).where(_is_expired()).with_for_update(skip_locked=True)).all()
+        expired = session.scalars(select(JobRow).where(is_lost).with_for_update(skip_locked=True)).all()
         for row in expired:
             expire(session, row, max_attempts)
         return len(expired)
@@ -137,7 +148,7 @@ def release_lost_leases(database: Database, mark: str, reason: str) -> None:
     with database.write() as session:
         is_running = (JobRow.state == State.RUNNING) & JobRow.owner.endswith(mark, autoescape=True)
         for row in session.scalars(select(JobRow).where(is_running).with_for_update()):
-            row.lease_until = clock() - 1.0
+            row.lease_until = clock() - LOST_LEASE_SECONDS
             record(session, row.id, WORKER_LOST_EVENT, attempt=row.attempts, reason=reason[:200])
 
 

@@ -28,6 +28,7 @@ from ..service.columns import RowDamaged
 from ..service.database import Database, DatabaseUnreachable
 from ..service.jobs import Claim, FenceLost, claim_next, end_cancelled, fail
 from ..service.kinds import Kind, KindChange, RunContext, find_files, find_kind, read_request
+from ..service.late_claims import return_attempt
 from ..service.outage import find_outage, note_outage
 from ..service.private import make_private
 from ..service.progress import Pace, ProgressEstimator, learn_pace, report
@@ -102,7 +103,7 @@ def run_job(
         with watch:
             outcome = _work(Services(settings, database, store), claim, watch)
     except FenceLost:
-        outcome = "lost"
+        outcome = _stop(database, claim, "lost", settings.max_seconds)
     except (DatabaseUnreachable, RowDamaged) as error:
         outcome = "lost"
         log.warning("job %s: %s", claim.job, error, extra=note)
@@ -170,6 +171,9 @@ def _stop(database: Database, claim: Claim, reason: str, seconds: float) -> str:
         end_cancelled(database, claim)
     elif reason == "released":
         release(database, claim)
+    elif reason == "lost":
+        with tolerate_outage(claim.job, make_note(claim)):
+            return_attempt(database, claim)
     elif reason == "too_long":
         message = (
             f"the job took longer than {seconds:g} s; use fewer --vertices or a shorter motion, "

@@ -164,7 +164,7 @@ class DispatcherStep(bootsteps.StartStopStep):
 
     def _do_duties(self) -> None:
         if self.clock_guard.is_steady:
-            reap(self.database, self.settings.max_attempts)
+            reap(self.database, self.settings.max_attempts, self.settings.lease_seconds)
         release_waiting_jobs(self.database)
         republish_stalled_jobs(self.database, self.settings.republish_seconds, lambda: count_messages(self.app) == 0)
         preempt(self.database)
