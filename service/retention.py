@@ -19,14 +19,12 @@ from .persons import delete_subject
 from .settings import ServiceSettings
 from .states import ENDED
 from .store import Store
+from .uploads import DAY_SECONDS
 
 log = logging.getLogger(__name__)
 
 RETENTION_BATCH_SIZE = 5
 """Number of families, or of subjects, that a worker deletes in one round: its loop waits for their files too."""
-
-DAY = 86400.0
-"""Seconds of a day [s]."""
 
 
 @dataclass(frozen=True)
@@ -109,7 +107,7 @@ def _find_old(
 ) -> list[str]:
     """Return the roots (with a tag) whose families ended long ago, in that order, without those that are kept."""
     member, reader, own = aliased(JobRow), aliased(JobRow), aliased(SubjectRow)
-    before = clock() - DAY * days
+    before = clock() - DAY_SECONDS * days
     read = exists().where(
         JobInputRow.input == member.id, JobInputRow.job == reader.id,
         reader.state.not_in(ENDED) | (reader.finished > before),
@@ -131,7 +129,7 @@ def _find_old(
 def _find_subjects(session: Session, limit: int | None) -> list[str]:
     """Return the subjects whose retention is over and that have no open job."""
     job, last = aliased(JobRow), aliased(JobRow)
-    before = clock() - DAY * SubjectRow.keep_days
+    before = clock() - DAY_SECONDS * SubjectRow.keep_days
     is_fresh = exists().where(
         SubjectJobRow.subject == SubjectRow.id, SubjectJobRow.job == last.id,
         (last.finished > before) | (last.created > before),

@@ -17,9 +17,9 @@ OUTCOME = """<div id="outcome" role="status"></div>"""
 
 def draw_action(name: str, method: str, url: str, question: str = "") -> Html:
     """Return a button that sends a request; with a question only after it was confirmed."""
-    asked = html(' data-question="{}"', question) if question else Html()
+    question_attribute = html(' data-question="{}"', question) if question else Html()
     look = Html(' class="danger"') if method == "DELETE" else Html()
-    return html('<button type="button" data-send="{} {}"{}{}>{}</button>', method, url, asked, look, name)
+    return html('<button type="button" data-send="{} {}"{}{}>{}</button>', method, url, question_attribute, look, name)
 
 
 def draw_frame() -> Html:

@@ -23,7 +23,7 @@ router = make_router()
 STRIP_LENGTH = 0.10
 """Length of the strip that a swatch shows hanging over an edge [m]."""
 
-GRAVITY = 9.81
+STANDARD_GRAVITY = 9.81
 """Acceleration of free fall [m/s2]."""
 
 
@@ -38,7 +38,7 @@ def show_fabrics(rooms: AppStateDependency, visitor: VisitorOf) -> Response:
 
 def find_bending_length(fabric: Fabric) -> float:
     """Return the length [m] over which a fabric's bending stiffness bears its weight: (k / (w g))^(1/3)."""
-    return (fabric.k / (fabric.density * GRAVITY)) ** (1 / 3)
+    return (fabric.k / (fabric.density * STANDARD_GRAVITY)) ** (1 / 3)
 
 
 def find_droop(fabric: Fabric) -> float:
