@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from fastapi import Response
 
+from ...core.cloth.settings import STANDARD_GRAVITY
 from ..api.access import AppStateDependency
 from ..materials import is_shipped, list_materials
 from .actions import draw_action, draw_frame
@@ -22,9 +23,6 @@ router = make_router()
 
 STRIP_LENGTH = 0.10
 """Length of the strip that a swatch shows hanging over an edge [m]."""
-
-STANDARD_GRAVITY = 9.81
-"""Acceleration of free fall [m/s2]."""
 
 
 @router.get("/fabrics")
