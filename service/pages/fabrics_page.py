@@ -59,7 +59,7 @@ def _draw_row(fabric: Fabric, is_imported: bool, may_change: bool) -> Html:
     angle = find_droop(fabric)
     x, y = 20 + 60 * math.cos(angle), 14 + 60 * math.sin(angle)
     width = min(6.0, max(1.2, 4e3 * fabric.thickness))
-    swatch = html(SWATCH, x=f"{x:.1f}", y=f"{y:.1f}", at=f"{20 + 36 * math.cos(angle / 4):.1f}", width=f"{width:.1f}")
+    swatch = html(SWATCH, x=f"{x:.1f}", y=f"{y:.1f}", at=f"{20 + 57 * math.cos(angle):.1f}", width=f"{width:.1f}")
     question = f"Delete the fabric {fabric.title or fabric.name}? Jobs that use it keep its numbers."
     delete = draw_action("Delete…", "DELETE", f"/v1/materials/{fabric.name}", question)
     sources = join(html("<li>{}: {}</li>", name, text) for name, text in fabric.sources)

@@ -10,6 +10,7 @@ from ..refining import is_preview
 from ..results import list_files, report_jobs
 from ..states import UNSUCCESSFUL, State
 from ..submission import PERSON_KIND
+from .control_words import speak_of_controls
 from .markup import Html, html, join
 from .page_route import make_router
 from .session import VisitorOf
@@ -72,7 +73,9 @@ def _draw_progress(job: JobReport, visitor: Visitor, has_files: bool) -> Html:
         buttons.append(html('<a class="button" href="/match?a={}">Compare</a>', job.id))
     error = Html()
     if job.error:
-        error = html('<p class="error" role="alert">{} <code>{}</code></p>', job.error.message, job.error.code)
+        error = html(
+            '<p class="error" role="alert">{} <code>{}</code></p>', speak_of_controls(job.error.message), job.error.code
+        )
     verdict = join([draw_verdict(job.verdict), draw_redrape(job)])
     return html(
         PROGRESS, job=job.id, state=draw_state(job), verdict=verdict, kind=job.kind,
@@ -80,7 +83,7 @@ def _draw_progress(job: JobReport, visitor: Visitor, has_files: bool) -> Html:
         hidden=Html(" hidden" if is_ended(job) else ""), ended="1" if is_ended(job) else "",
         delay=html('<p class="doubt">Paused: {}.</p>', job.delay.code) if job.delay else Html(),
         buttons=join(buttons, " "), tags=join((html('<span class="tag">{}</span>', tag) for tag in job.tags), " "),
-        warnings=join(html('<p class="doubt">{}</p>', text) for text in job.warnings),
+        warnings=join(html('<p class="doubt">{}</p>', speak_of_controls(text)) for text in job.warnings),
     )  # fmt: skip
 
 

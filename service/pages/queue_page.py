@@ -10,6 +10,7 @@ from ..api.access import AppStateDependency
 from ..api.batches import count_own
 from ..database import Database
 from ..health import explain, find_troubles, hide_worker_names, read_queue
+from ..jobs import find_jobs_by_id
 from ..models import JobRow
 from ..query import JobQuery, find_jobs
 from ..states import OPEN, State
@@ -40,7 +41,9 @@ def show_queue(rooms: AppStateDependency, visitor: VisitorOf) -> Response:
         html('<li><strong class="figure-number">{}</strong> {}</li>', queue.states.get(state, 0), state)
         for state in (*ORDER, *(one for one in State if one not in OPEN))
     )
-    alerts = [speak_of_controls(one) for one in find_troubles(replace(queue, outages=[]))]
+    alerts = find_troubles(replace(queue, outages=[])) if queue.workers else []
+    if not queue.workers and any(queue.states.get(state) for state in OPEN):
+        alerts = ["no worker is up, or none reaches its broker: the jobs wait until the operator starts one."]
     troubles = join(html('<p class="error" role="alert">{}</p>', one[:1].upper() + one[1:]) for one in alerts)
     outages = join(
         html('<p class="error" role="alert">Jobs wait since {}{}: {} <code>{}</code></p>', draw_time(one.since),
@@ -61,17 +64,21 @@ def _draw_jobs(database: Database, state: State, order: str, owner: str | None) 
     rows = find_jobs(database, JobQuery({"state": state}).conditions, order, QUEUE_ROW_COUNT, owner)
     if not rows:
         return Html()
-    return html(JOBS, title=str(state).capitalize(), rows=join(map(_draw_job, rows)), label=f"Jobs {state}")
+    roots = {row.id: row.name for row in find_jobs_by_id(database, [row.family for row in rows if row.parent])}
+    shown = join(
+        _draw_job(row, f"{roots[row.family]}: {row.name}" if row.family in roots else row.name) for row in rows
+    )
+    return html(JOBS, title=str(state).capitalize(), rows=shown, label=f"Jobs {state}")
 
 
-def _draw_job(row: JobRow) -> Html:
+def _draw_job(row: JobRow, name: str) -> Html:
     share = f"{row.overall:.4f}" if row.state == State.RUNNING else ""
-    bar = html('<progress max="1" value="{}" aria-label="Progress of {}"></progress> {}', share, row.name, row.stage)
+    bar = html('<progress max="1" value="{}" aria-label="Progress of {}"></progress> {}', share, name, row.stage)
     since = row.started if row.state == State.RUNNING else row.created
     ready = (
         html(" paused until {}: <code>{}</code>", draw_time(row.not_before), row.delay_code) if row.delay_code else ""
     )
-    return html(JOB, id=row.id, name=row.name, kind=row.kind, priority=row.priority, queue=row.queue,
+    return html(JOB, id=row.id, name=name, kind=row.kind, priority=row.priority, queue=row.queue,
                 since=draw_time(since), state=bar if share else ready or Html())  # fmt: skip
 
 

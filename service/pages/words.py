@@ -11,6 +11,7 @@ from ..kinds.redrape_request import REDRAPE
 from ..outfit_readings import Reading, list_readings, name_category, name_end
 from ..records import Gate, JobReport, RedrapeState
 from ..states import ENDED, State
+from .control_words import speak_of_controls
 from .markup import Html, html, join
 
 STATE_CLASSES = {State.SUCCEEDED: "good", State.FAILED: "bad", State.DEAD: "bad", State.CANCELLED: "soft"}
@@ -53,7 +54,7 @@ def draw_gates(gates: Sequence[Gate]) -> Html:
     if not gates:
         return Html()
     row = "<tr><th scope=row>{}</th><td>{}</td><td>{}</td></tr>"
-    rows = join(html(row, gate.name, draw_verdict(gate.verdict), gate.message) for gate in gates)
+    rows = join(html(row, gate.name, draw_verdict(gate.verdict), speak_of_controls(gate.message)) for gate in gates)
     return html('<div class="wide" tabindex="0" role="region" aria-label="Checks"><table>{}</table></div>', rows)
 
 
@@ -105,7 +106,7 @@ def describe_worn(garments: Sequence[Mapping[str, Any]]) -> list[tuple[str, str]
             ends = [name_end(contour) for contour in garment["contours"] if contour["is_inferred"] is hidden]
             what += f"; {word}: {', '.join(ends)}" if ends else ""
         problem = garment.get("problem")
-        what += f". Not recovered: {problem['message']}" if problem else ""
+        what += f". Not recovered: {speak_of_controls(problem['message'])}" if problem else ""
         rows.append((garment["part"], what))
     return rows
 

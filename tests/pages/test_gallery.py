@@ -12,6 +12,7 @@ import pytest
 from gallery_families import SCAN, SKIN, add_job, add_person, keep_sheet
 from garmentq.service.gallery import BatchCount, count_batch, read_families
 from garmentq.service.keys import create_key
+from garmentq.service.pages import control_words
 from garmentq.service.pages.control_words import speak_of_controls
 from garmentq.service.pages.figures import cut_figure, find_figure
 from garmentq.service.query import JobQuery, find_families
@@ -155,11 +156,16 @@ def test_a_batch_is_counted_by_families(own_site):
     assert count_batch(services.database, "b", his.id).total == 0
 
 
-def test_pages_speak_of_controls():
+def test_pages_speak_of_controls(page):
     """Broken where a page tells to type an option or a command."""
     said = speak_of_controls("Give --body body.ply, or --keep-colour; `garmentq status` lists them all.")
     assert said == "Give the option Body body.ply, or the option Keep colour; the list of jobs lists them all."
     assert speak_of_controls("a -- b, 3--4, x--y") == "a -- b, 3--4, x--y"
+    words = (*control_words.CONTROLS, "keep-colour", "x--y")
+    said = [f"`garmentq {one} JOB` or --{word}." for one in (*control_words.COMMANDS, "up") for word in words]
+    page.goto("/")
+    script = "(all) => import('/static/words.js').then((words) => all.map(words.speakOfControls))"
+    assert page.evaluate(script, said) == list(map(speak_of_controls, said))  # scripts say the same
     pages = Path(jobs_folder())
     assert not re.findall(r">[^<{]* --[a-z]", "".join(one.read_text() for one in pages.glob("*.py")))
 

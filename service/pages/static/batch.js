@@ -4,6 +4,7 @@ import { find, make } from './dom.js';
 import { tellInspection } from './inspection.js';
 import { readDetected, readOrder } from './order.js';
 import { tellSize } from './times.js';
+import { speakOfControls } from './words.js';
 
 /** Largest number of letters of a tag. */
 const TAG_LENGTH = 64;
@@ -31,7 +32,7 @@ class Row {
   /** @param {any} error */
   tellError(error) {
     this.told.className = 'told bad';
-    this.told.replaceChildren(String(error?.message ?? error), ...(error?.code ? [' ', make('code', {}, error.code)] : []));
+    this.told.replaceChildren(speakOfControls(String(error?.message ?? error)), ...(error?.code ? [' ', make('code', {}, error.code)] : []));
   }
 }
 

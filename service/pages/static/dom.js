@@ -1,4 +1,5 @@
 // Making elements; text is always text, never HTML.
+import { speakOfControls } from './words.js';
 
 /**
  * Make an element.
@@ -51,6 +52,6 @@ export function find(selector, root = document) {
  */
 export function showError(place, error) {
   const code = error && /** @type {any} */ (error).code;
-  place.replaceChildren(make('p.error', { role: 'alert' }, String(error?.message ?? error), code ? ' ' : null,
+  place.replaceChildren(make('p.error', { role: 'alert' }, speakOfControls(String(error?.message ?? error)), code ? ' ' : null,
     code ? make('code', {}, code) : null));
 }

@@ -3,6 +3,7 @@ import { addTag, deleteJson, getJson, patchJson, postJson } from './api.js';
 import { chooseInDialog } from './dialog.js';
 import { find, make } from './dom.js';
 import { renewItems } from './live.js';
+import { speakOfControls } from './words.js';
 
 /** How long to wait where the service asks for fewer requests [ms]. */
 const PAUSE_MS = 2000;
@@ -137,7 +138,7 @@ async function showExports(made) {
       left.delete(job.job);
       const link = make('a', { href: `/v1/jobs/${job.job}/result.zip`, download: '' }, made.get(job.job));
       if (job.state === 'succeeded') links.push(link);
-      list.append(make('li', {}, job.state === 'succeeded' ? link : `${made.get(job.job)}: ${job.error?.message ?? job.state}`));
+      list.append(make('li', {}, job.state === 'succeeded' ? link : `${made.get(job.job)}: ${speakOfControls(job.error?.message ?? job.state)}`));
     }
     place.replaceChildren(`${made.size - left.size} of ${made.size} exports ready `);
     if (left.size) await new Promise((resolve) => setTimeout(resolve, EXPORT_PERIOD_MS));
@@ -179,7 +180,7 @@ async function runEach(families, word, change) {
       done += 1;
     } catch (error) {
       failed += 1;
-      list.append(make('li', {}, `${name}: `, make('span.bad', {}, String(error?.message ?? error))));
+      list.append(make('li', {}, `${name}: `, make('span.bad', {}, speakOfControls(String(error?.message ?? error)))));
     }
     place.textContent = `${done} of ${families.length} ${word}${failed ? `, ${failed} not` : ''}`;
   }

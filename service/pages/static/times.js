@@ -5,6 +5,7 @@ export function showTimes(root = document) {
   for (const one of root.querySelectorAll('time[datetime]')) {
     const when = new Date(one.getAttribute('datetime'));
     one.textContent = when.toLocaleString([], { dateStyle: 'medium', timeStyle: 'short' });
+    one.setAttribute('title', when.toLocaleString([], { dateStyle: 'full', timeStyle: 'long' }));
   }
 }
 
