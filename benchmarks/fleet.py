@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 from garmentq.service.database import Database, open_database
-from garmentq.service.jobs import Claim, claim_next, read_cancel_flag, renew, succeed
+from garmentq.service.jobs import Claim, claim_next, read_flags, renew, succeed
 from garmentq.service.models import ArtifactRow, EventRow, JobRow, MetricRow, OutboxRow, ScanRow
 from garmentq.service.progress import Progress, report
 from garmentq.service.reaper import acquire_leader_lease, dispatch, record_heartbeat
@@ -187,7 +187,7 @@ def measure_all(settings: ServiceSettings, profile: JobProfile) -> dict[str, Cos
     acquire_leader_lease(database, "dispatcher", "leader", 600.0)
     costs = {
         "claim": measure(database, data, claim, True, "payer"),
-        "look": measure(database, data, lambda _: read_cancel_flag(database, claims[0]), False),
+        "look": measure(database, data, lambda _: read_flags(database, claims[0]), False),
         "renew": measure(database, data, lambda _: renew(database, claims[0], 600.0), True),
         "report": measure(database, data, lambda _: report(database, claims[0], progress), True),
         "checkpoint": measure(database, data, save, True),

@@ -38,6 +38,7 @@ COMMANDS = {
     "rename": "Give a job's family another name or tags.",
     "retry": "Queue ended jobs again.",
     "subjects": "List, show, create, update and delete subjects: the persons who were scanned.",
+    "priority": "Change the priority of jobs.",
     "segment": "Label skin, hair, shoes and garments of a person's scan, and fit the body under the clothes.",
     "inspect": "Show what is detected in a file, before a job is run.",
     "templates": "List, show, import, export and delete template patterns.",

@@ -128,5 +128,8 @@ def explain(job: Job) -> str:
 
 
 def show_state(job: Job) -> str:
-    """Return a job's state, and the outage for which it is paused, if any."""
-    return job.state if job.delay is None else f"{job.state} ({job.delay.code})"
+    """Return a job's state, with the outage for which it is paused, or its place in the queue."""
+    if job.delay is not None:
+        return f"{job.state} ({job.delay.code})"
+    place = getattr(job, "place", None)
+    return job.state if place is None else f"{job.state}, place {place}"

@@ -110,7 +110,10 @@ def show_duration(seconds: float | None) -> str:
 
 
 def show_left(job: Job) -> str:
-    """Return the remaining time of a running job, if it is known."""
+    """Return the remaining time of a running job, or the time until a queued one starts, if it is known."""
+    start = getattr(job, "expected_start", None)
+    if start is not None:
+        return f"starts in {show_duration(start - time.time())}"
     return show_duration(None if job.expected_end is None else job.expected_end - time.time())
 
 

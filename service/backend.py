@@ -143,6 +143,13 @@ class Backend(Protocol):
             JobNotEnded, JobSucceeded: if it cannot be retried.
         """
 
+    def change_priority(self, job: str, priority: int) -> int:
+        """Change the priority of a job's whole family, and return the job's own after that.
+
+        Raises:
+            JobUnknown: if there is none of that id.
+        """
+
     def rename(self, job: str, name: str | None = None, tags: Sequence[str] | None = None) -> JobReport:
         """Write another name or other tags of a job's family, and return the job; None: as it is.
 

@@ -8,6 +8,8 @@ reads the first entries of the index `ix_jobs_urgency`, so the cost does not gro
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from sqlalchemy import ColumnElement, func, or_, select, update
 from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session, aliased
@@ -25,25 +27,48 @@ def is_due() -> ColumnElement[bool]:
     )
 
 
-def choose_job(session: Session, wakeup: str) -> str | None:
-    """Return the id of the next job in the queue of a woken job, locked; None if that queue is empty."""
-    queue = session.scalar(select(JobRow.queue).where(JobRow.id == wakeup))
-    waits = (JobRow.state == State.QUEUED) & (JobRow.queue == queue) & JobRow.cancel.is_(False) & is_due()
+@dataclass(frozen=True)
+class Front:
+    """Describe the first lane and priority of some waiting jobs: the conditions of those jobs, and of all behind."""
+
+    condition: ColumnElement[bool]
+    behind: ColumnElement[bool]
+
+
+def is_in_queue(queue: str) -> ColumnElement[bool]:
+    """Return the condition of a job that a worker of a queue may claim."""
+    return (JobRow.state == State.QUEUED) & (JobRow.queue == queue) & JobRow.cancel.is_(False) & is_due()
+
+
+def find_front(session: Session, waits: ColumnElement[bool]) -> Front | None:
+    """Return the first lane, and in it the highest priority, of the jobs that meet a condition; None without any."""
     order = JobRow.lane, JobRow.priority.desc()
     first = session.execute(select(JobRow.lane, JobRow.priority).where(waits).order_by(*order).limit(1)).one_or_none()
     if first is None:
         return None
-    waits &= (JobRow.lane == first.lane) & (JobRow.priority == first.priority)
-    for payer in _rank_payers(session, waits):
-        order_of_age = JobRow.family_created, JobRow.created, JobRow.id
-        oldest = select(JobRow.id).where(waits, JobRow.payer == payer).order_by(*order_of_age).limit(1)
+    is_lane = JobRow.lane == first.lane
+    behind = (JobRow.lane > first.lane) | (is_lane & (JobRow.priority < first.priority))
+    return Front(is_lane & (JobRow.priority == first.priority), behind)
+
+
+def choose_job(session: Session, wakeup: str) -> str | None:
+    """Return the id of the next job in the queue of a woken job, locked; None if that queue is empty."""
+    queue = session.scalar(select(JobRow.queue).where(JobRow.id == wakeup))
+    waits = is_in_queue(queue or "")
+    front = find_front(session, waits)
+    if front is None:
+        return None
+    waits &= front.condition
+    for payer in rank_payers(session, waits):
+        age = JobRow.family_created, JobRow.created, JobRow.id
+        oldest = select(JobRow.id).where(waits, JobRow.payer == payer).order_by(*age).limit(1)
         if (job := session.scalar(oldest.with_for_update(skip_locked=True))) is not None:
             _note_served(session, payer)
             return job
     return None
 
 
-def _rank_payers(session: Session, waits: ColumnElement[bool]) -> list[str]:
+def rank_payers(session: Session, waits: ColumnElement[bool]) -> list[str]:
     """Return the payers that have waiting jobs, the one served longest ago first; one index lookup for each."""
     first = select(func.min(JobRow.payer).label("payer")).where(waits).cte("waiting", recursive=True)
     before = aliased(first)

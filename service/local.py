@@ -36,6 +36,7 @@ from .database import Database
 from .jobs import find_job
 from .order import Order
 from .persons import PersonDeleted
+from .priority import change_priority
 from .queue_records import Queue
 from .records import Artifact, Event, Job, JobPage, JobReport, Key, ListedJob, News
 from .renaming import rename_family
@@ -153,6 +154,10 @@ class LocalBackend:
         row = jobs.find_job(self._database, job)
         rename_family(self._database, row.id, name, tags)
         return self.find_job(row.id)
+
+    def change_priority(self, job: str, priority: int) -> int:
+        """Change the priority of a job's whole family, and return the job's own after that."""
+        return change_priority(self._database, jobs.find_job(self._database, job).id, priority)
 
     def list_artifacts(self, job: str) -> list[Artifact]:
         """Return a job's result files by name."""

@@ -9,7 +9,7 @@ from sqlalchemy import ColumnElement, exists, func, or_, select
 from sqlalchemy.orm import Session
 
 from .database import Database, clock, skip_damaged_rows
-from .fairness import is_due
+from .fairness import is_in_queue
 from .lanes import Lane
 from .models import JobRow
 from .reaper import list_workers
@@ -43,8 +43,7 @@ def preempt(database: Database) -> int:
 
 def _waits(queue: str) -> ColumnElement[bool]:
     """Return the condition of a job for which another one is preempted."""
-    is_urgent = (JobRow.queue == queue) & (JobRow.lane < Lane.BATCH) & JobRow.cancel.is_(False)
-    return (JobRow.state == State.QUEUED) & is_urgent & is_due()
+    return is_in_queue(queue) & (JobRow.lane < Lane.BATCH)
 
 
 def _mark(session: Session, queue: str, workers: list[tuple[set[str], int]]) -> int:

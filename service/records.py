@@ -315,6 +315,8 @@ class JobReport(Job):
         details: Fields of its kind, as JSON values.
         redrape: The re-drape of a recovery; None where its method makes none.
         subject: Name of the person who was scanned; None where none was named.
+        place: Place of a queued job, 1 is next; None behind the first 500, while it is paused, and in other states.
+        expected_start: When a queued job should start [s since 1970], from the times of earlier jobs; None if unknown.
     """
 
     garment: str | None
@@ -336,6 +338,8 @@ class JobReport(Job):
     details: dict[str, Any]
     redrape: Redrape | None = None
     subject: str | None = None
+    place: int | None = None
+    expected_start: float | None = None
 
     @classmethod
     def from_row(cls, row: JobRow, **found: Any) -> JobReport:

@@ -307,6 +307,11 @@ class RemoteBackend(RemoteSubjects):
         found = self._ask("PATCH", f"/v1/jobs/{quote(job, safe='')}", json=changes)
         return read(lambda: JobReport.from_json(found))
 
+    def change_priority(self, job: str, priority: int) -> int:
+        """Change the priority of a job's whole family, and return the job's own after that."""
+        found = self._ask("PATCH", f"/v1/jobs/{quote(job, safe='')}", json={"priority": priority})
+        return read(lambda: int(found["priority"]))
+
     def refine(self, job: str) -> SubmissionResult:
         """Queue the recovery at standard quality of a preview's files."""
         return read_submitted(self._ask("POST", f"/v1/jobs/{quote(job, safe='')}/refine"))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +32,7 @@ from .models import (
     SubjectJobRow,
     SubjectRow,
 )
+from .places import find_places
 from .records import Artifact, Child, JobReport, Redrape, RedrapeState
 from .settings import ServiceSettings
 from .states import State
@@ -149,6 +151,7 @@ def choose_files(job: str, files: Sequence[Artifact], names: Sequence[str]) -> l
 def report_jobs(database: Database, rows: Sequence[JobRow], settings: ServiceSettings) -> list[JobReport]:
     """Return jobs with their results, in the order of their rows; ten queries for each `JOBS_AT_ONCE`."""
     reports: list[JobReport] = []
+    places = find_places(database, rows)
     with database.read() as session:
         for start in range(0, len(rows), JOBS_AT_ONCE):
             chunk = rows[start : start + JOBS_AT_ONCE]
@@ -158,7 +161,8 @@ def report_jobs(database: Database, rows: Sequence[JobRow], settings: ServiceSet
             for row in chunk:
                 details, kept = _show_details(session, row, settings), found[row.id] | family[row.id]
                 kept["redrape"] = kept["redrape"] or _read_redrape(kept["metrics"])
-                reports.append(JobReport.from_row(row, details=details, **kept))
+                place = asdict(places[row.id]) if row.id in places else {}
+                reports.append(JobReport.from_row(row, details=details, **kept, **place))
             del garments
     return reports
 

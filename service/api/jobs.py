@@ -56,6 +56,7 @@ EXAMPLE = {
     "family": "3685ecfd4f81", "parent": None, "children": [],
     "inputs": {}, "waits": [], "tags": ["spring"], "details": {}, "delay": None,
     "redrape": {"state": "done", "job": None, "code": None}, "subject": "Anna Müller",
+    "place": None, "expected_start": None,
 }  # fmt: skip
 LISTED = {name: EXAMPLE[name] for name in map(get_json_name, fields(ListedJob))}
 PAGE = {"jobs": [LISTED], "total": 1, "next": None}

@@ -170,11 +170,12 @@ class DerivedIn(BaseModel):
 
 
 class RenamingIn(BaseModel):
-    """Describe another name or other tags of a family."""
+    """Describe another name, other tags or another priority of a family."""
 
     model_config = ConfigDict(extra="forbid", json_schema_extra={"example": {"name": "Anna", "tags": ["spring"]}})
     name: Text | None = Field(None, min_length=1, description="The new name; null: as it is.")
     tags: list[Tag] | None = Field(None, max_length=20, description="All tags from now on; null: as they are.")
+    priority: int | None = Field(None, ge=-100, le=100, description="A larger one goes first; null: as it is.")
 
 
 def _tag(value: Any) -> str:

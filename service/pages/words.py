@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any
@@ -24,7 +25,16 @@ VERDICTS = {"pass": "good", "doubtful": "doubt", "fail": "bad"}
 def draw_state(job: JobReport | GalleryJob) -> Html:
     """Return a job's state, with its stage if it runs."""
     text = f"{job.state}: {job.stage} {job.progress:.0%}" if job.state == State.RUNNING and job.stage else job.state
-    return html('<span class="state {}" data-state="{}">{}</span>', STATE_CLASSES.get(job.state, ""), job.state, text)
+    shown = html('<span class="state {}" data-state="{}">{}</span>', STATE_CLASSES.get(job.state, ""), job.state, text)
+    return shown if job.place is None else html('{} <span class="soft">{}</span>', shown, describe_place(job))
+
+
+def describe_place(job: JobReport) -> str:
+    """Return a queued job's place and when it should start, as text for users."""
+    if job.expected_start is None:
+        return f"place {job.place}"
+    minutes = round(max(0.0, job.expected_start - time.time()) / 60.0)
+    return f"place {job.place}, starts {f'in about {minutes} min' if minutes else 'within a minute'}"
 
 
 def draw_verdict(verdict: str | None) -> Html:

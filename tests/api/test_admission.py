@@ -11,6 +11,7 @@ import threading
 import time
 import zipfile
 from contextlib import ExitStack, contextmanager
+from functools import partial
 
 import httpx
 import pytest
@@ -182,6 +183,13 @@ def test_a_keys_highest_priority(client, database):
     headers = {"authorization": f"Bearer {urgent}"}
     assert ask(client, 0.2, headers=headers, priority=5).status_code == 202
     assert ask(client, 0.3, headers=headers, priority=6).status_code == 403
+    job = ask(client, 0.2, headers=headers, priority=5).json()["job"]
+    change = partial(client.patch, f"/v1/jobs/{job}")
+    assert change(json={"priority": -2}, headers=headers).json()["priority"] == -2
+    assert code_of(change(json={"priority": 6}, headers=headers)) == "key.priority"
+    assert change(json={"priority": -3}, headers=plain).status_code == 404, "of another key"
+    assert change(json={"priority": 101}, headers=headers).status_code == 422
+    assert find_job(database, job).priority == -2
 
 
 def test_an_upload_is_used_as_what_it_came_in_as(client, database):
@@ -274,7 +282,8 @@ def test_shared_jobs_by_setting(settings, database):
     with serving(replace(settings, share_jobs=1), LIMITS, is_open=False) as url, httpx.Client(base_url=url) as client:
         ours, theirs = make_key(database, "ours"), make_key(database, "theirs")
         job = ask(client, headers=ours).json()["job"]
-        assert ask(client, headers=theirs).json() == {"job": job, "state": "queued", "is_new": False}
+        same = ask(client, headers=theirs).json()
+        assert (same["job"], same["state"], same["is_new"]) == (job, "queued", False)
         assert claim(database, job, "w", 60.0)
         assert client.post(f"/v1/jobs/{job}/cancel", headers=theirs).json()["state"] == "running"
         assert not find_job(database, job).cancel

@@ -98,7 +98,8 @@ def test_templates_go_over(remote, cli, files, address):
 def test_every_command_works_or_says_why_not(remote, cli, settings):
     """Broken where a command ignores GARMENTQ_URL and works on a home of this machine instead, or hides its help."""
     asked = {
-        "run", "submit", "status", "logs", "result", "export", "query", "cancel", "retry", "templates", "materials",
+        "run", "submit", "status", "logs", "result", "export", "query", "cancel", "retry", "priority", "templates",
+        "materials",
         "keys", "doctor", "dress", "refit", "refine", "edit", "animate", "match", "sizes", "measure", "webhooks",
             "share", "rename", "subjects",
     }  # fmt: skip

@@ -150,6 +150,17 @@ def test_submit_goes_on_after_a_bad_file(cli, tmp_path):
     assert again.stdout.split()[0] in [row["job"] for row in rows] and again.returncode == 0
 
 
+def test_a_priority_changes_after_submission(cli, database, queue_job):
+    """Broken where a batch cannot be moved by its tag, a mistyped job is passed over, or no place is shown."""
+    jobs = [queue_job(name, tags=("spring",)) for name in ("a", "b")]
+    assert cli("priority", jobs[1][:8], "--to", "7").returncode == 0 and find_job(database, jobs[1]).priority == 7
+    assert "queued, place 1" in cli("status", jobs[1]).stdout and "queued, place 2" in cli("status", jobs[0]).stdout
+    done = cli("priority", "--batch", "spring", "--to", "-5", "--json")
+    assert [json.loads(line)["priority"] for line in done.stdout.splitlines()] == [-5, -5]
+    assert {find_job(database, job).priority for job in jobs} == {-5}
+    assert cli("priority", "nosuch", "--to", "1").returncode == 3 and cli("priority", "--to", "1").returncode == 2
+
+
 @pytest.mark.slow
 def test_submit_waits_for_the_check(cli, tmp_path):
     """Broken where a file that cannot be used is not named, an ill file keeps a good one back, or no status tells."""

@@ -220,6 +220,7 @@ def test_a_job_is_stopped_and_tried_again(backend, order, database):
     assert code_of(backend.retry, job) == ("job.not_ended", BadInput)
     assert backend.cancel(job[:8]) is State.CANCELLED and backend.find_job(job).state is State.CANCELLED
     assert backend.retry(job) is State.QUEUED and backend.find_job(job).state is State.QUEUED
+    assert backend.change_priority(job[:8], -7) == -7 == backend.find_job(job).priority
     assert claim(database, job, "test", 60.0)
     assert backend.cancel(job) is State.RUNNING and backend.find_job(job).state is State.RUNNING
 

@@ -157,6 +157,37 @@ def test_jobs_from_before_listed_fields_are_listed(database):
     upgrade(database)
 
 
+def test_jobs_from_before_lanes_have_one(database):
+    """Broken where an old open edit waits behind a batch, a garment behind the next person, or it cannot go back."""
+    from alembic import command
+
+    config = Config()
+    config.set_main_option("script_location", str(Path(migrations.__file__).parent))
+    with database.write() as session:
+        config.attributes["connection"] = session.connection()
+        command.downgrade(config, "0018")
+        jobs = Table("jobs", MetaData(), autoload_with=session.connection())
+        session.execute(insert(ScanRow).values(sha256="s", name="s", size=1, created=0.0, details={}))
+        old = {"scan": "s", "name": "s", "version": "0.1.0", "touched": 0.0, "bad_input": False, "request": {}}
+        old |= {"priority": 0, "cancel": False, "attempts": 1, "fence": 1, "stage": "", "progress": 1.0}
+        made = [(state.value, "recover", None, state.value, 1.0) for state in State]
+        made += [("edit", "edit", None, "running", 2.0), ("look", "recover", "deform", "running", 3.0)]
+        for job, kind, method, family, created in made:
+            state = job if job in set(State) else "queued"
+            row = {"id": job, "dedup": job, "kind": kind, "method": method, "family": family, "created": created}
+            session.execute(insert(jobs).values({**old, **row, "state": state}))
+    upgrade(database)
+    with database.read() as session:
+        rows = {row.id: (row.lane, row.family_created) for row in session.scalars(select(JobRow))}
+        assert rows == {**{s.value: (2, 1.0) for s in State}, "edit": (0, 1.0), "look": (1, 1.0)}
+        assert not session.scalar(select(JobRow.id).where(JobRow.preempt | (JobRow.preemptions > 0)))
+    with database.write() as session:
+        config.attributes["connection"] = session.connection()
+        command.downgrade(config, "0018")
+        assert session.execute(text("select count(*) from jobs")).scalar() == len(made)
+    upgrade(database)
+
+
 def test_a_newer_database_is_refused(settings, database):
     """Broken where an old program wrote into tables it does not know."""
     with database.write() as session:

@@ -8,15 +8,19 @@ from threading import Thread
 import pytest
 from garmentq.core.recover.settings import LATER, RecoverySettings, complete_by_quality
 from garmentq.service.families import make_children
-from garmentq.service.jobs import claim, claim_next, find_job, read_events
+from garmentq.service.jobs import JobUnknown, claim, claim_next, find_job, read_events
+from garmentq.service.keys import create_key, grant_job
 from garmentq.service.kinds import KINDS, find_kind
 from garmentq.service.kinds.kind import ChildRequest
 from garmentq.service.lanes import Lane
 from garmentq.service.models import JobRow
+from garmentq.service.places import find_places
 from garmentq.service.preemption import MAX_PREEMPTIONS, NEAR_END_SECONDS, preempt
+from garmentq.service.priority import change_priority
 from garmentq.service.reaper import record_heartbeat
 from garmentq.service.requeueing import give_way
 from garmentq.service.settings import ServiceSettings
+from garmentq.service.states import State
 from garmentq.workers.recovery import run_job
 from garmentq_home import wait_for
 from sqlalchemy import select, text
@@ -94,6 +98,32 @@ def test_keys_take_turns_with_their_edits(database, queue_job, change):
     assert take_all(database, one) == [many[0], one, *many[1:]]
 
 
+def test_a_priority_is_that_of_the_family(database, queue_job):
+    """Broken where a garment keeps its old priority, a re-drape goes before results, or no event tells."""
+    batch, anna = queue_job("batch", priority=1), queue_job("anna")
+    request = find_job(database, anna).request
+    pieces = [ChildRequest("upper", "recover", request), ChildRequest("late", "redrape", request, priority=-100)]
+    with database.write() as session:
+        made = make_children(session, anna, pieces)
+    assert change_priority(database, made["upper"], 5) == 5
+    assert [find_job(database, job).priority for job in (batch, anna, *made.values())] == [1, 5, 5, -100]
+    assert read_events(database, anna)[-1].data == {"priority": 5}
+    assert take_all(database, batch) == [anna, made["upper"], batch, made["late"]]
+    with pytest.raises(JobUnknown):
+        change_priority(database, "nosuch", 1)
+
+
+def test_a_shared_job_is_only_raised(database, queue_job):
+    """Broken where one key puts off what another key has ordered too."""
+    job = queue_job("shared", priority=2)
+    ours, theirs = (create_key(database, name, ("submit",))[0].id for name in ("ours", "theirs"))
+    with database.write() as session:
+        grant_job(session, ours, job)
+        grant_job(session, theirs, job)
+    assert [change_priority(database, job, priority, ours) for priority in (-5, 4, 3)] == [2, 4, 4]
+    assert change_priority(database, job, -5) == -5, "the operator decides"
+
+
 def marked(database) -> set[str]:
     """Return the jobs that are to give way."""
     with database.read() as session:
@@ -151,3 +181,33 @@ def test_a_job_gives_way_at_its_checkpoint_and_goes_on_from_there(settings, data
     work()
     row = find_job(database, job)
     assert outcomes[1] == "succeeded" and (row.attempts, row.preemptions) == (1, 1)
+
+
+def test_places_are_the_order_of_the_claims(database, queue_job, change):
+    """Broken where the place is by age alone, a paused job has one, or other keys are not counted in turn."""
+    jobs = [queue_job(f"batch{i}") for i in range(4)]
+    for job in jobs[:3]:
+        change(job, payer="a")
+    change(jobs[3], payer="b")
+    urgent, paused = queue_job("urgent", priority=3), queue_job("paused")
+    edit = change(queue_job("edit"), lane=Lane.INTERACTIVE)
+    change(paused, not_before=find_job(database, edit).created + 60.0)
+    rows = [find_job(database, job) for job in (*jobs, urgent, paused, edit)]
+    found = find_places(database, rows)
+    order = take_all(database, edit)
+    assert [job for job, _ in sorted(found.items(), key=lambda one: one[1].place)] == order
+    assert [found[job].place for job in order] == [1, 2, 3, 4, 5, 6] and paused not in found
+    assert {one.expected_start for one in found.values()} == {None}, "no worker, no earlier job"
+
+
+def test_jobs_start_when_slots_come_free(database, queue_job, change):
+    """Broken where the time to wait is that of one worker, or a running job's end is not counted."""
+    done, running, *jobs = [queue_job(name) for name in ("done", "running", "a", "b", "c")]
+    claim(database, running, "w", 30.0)
+    record_heartbeat(database, "worker", "cpu,gpu", 2, 30.0)
+    now = find_job(database, running).started
+    change(done, state=State.SUCCEEDED, started=now - 100.0, finished=now)
+    change(running, expected_end=now + 30.0)
+    found = find_places(database, [find_job(database, job) for job in jobs])
+    waits = [found[job].expected_start - now for job in jobs]
+    assert waits == pytest.approx([0.0, 30.0, 100.0], abs=5.0)
