@@ -17,7 +17,7 @@ RECOVER = "recover"
 """Kind of the jobs that recover a garment."""
 
 SPELLINGS = str.maketrans({"\u00e4": "ae", "\u00f6": "oe", "\u00fc": "ue", "\u00df": "ss", "\u00c4": "Ae",
-                           "\u00d6": "Oe", "\u00dc": "Ue", "\u00e6": "ae", "\u00f8": "oe", "\u00e5": "aa"})  # fmt: skip
+                           "\u00d6": "Oe", "\u00dc": "Ue", "\u00e6": "ae", "\u00f8": "oe", "\u00d8": "Oe"})  # fmt: skip
 """Spellings of letters in the names of files, which every program and every disk accepts."""
 
 

@@ -43,10 +43,11 @@ def rename_family(
         if name:
             root.name = name
         if tags is not None:
-            known = set(session.scalars(select(JobTagRow.tag).where(JobTagRow.job == root.id)))
             members = list(session.scalars(select(JobRow.id).where(JobRow.family == root.id)))
+            before = session.scalars(select(JobTagRow.tag).where(JobTagRow.job == root.id)).all()
             session.execute(delete(JobTagRow).where(JobTagRow.job.in_(members)))
             session.add_all(JobTagRow(job=one, tag=tag) for one in members for tag in dict.fromkeys(tags))
             session.flush()
-            note_tags(session, key, set(tags) - known)
-            forget_tags(session, known - set(tags))
+            for owner in session.scalars(select(OwnerRow.key).where(OwnerRow.job == root.id)).all() or [""]:
+                note_tags(session, owner, tags)
+            forget_tags(session, before)

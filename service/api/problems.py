@@ -32,6 +32,8 @@ STATUSES = {
     "key.priority": 403,
     "job.in_use": 409,
     "job.shared": 409,
+    "subject.name_taken": 409,
+    "subject.job_shared": 409,
     "key.queue_full": 429,
     "key.too_many_requests": 429,
     "key.uploads_open": 429,
