@@ -26,9 +26,9 @@ from .sorting import Page
 MAX_TOTAL_COUNT = 1_000
 """Largest number of jobs with conditions that are counted: more take tens of milliseconds in a long table."""
 
-MIN_WALKED_MATCH_COUNT = 20_000
+MIN_WALKED_MATCH_COUNT = 10_000
 """Number of jobs that meet a condition from which a count walks over all jobs: among 100 000 it has counted
-`MAX_TOTAL_COUNT` after 5 000, about 15 ms. Naming so many takes about 10 ms."""
+`MAX_TOTAL_COUNT` after at most 10 000, about 15 ms. Naming so many takes about 5 ms."""
 
 
 @dataclass(frozen=True)
