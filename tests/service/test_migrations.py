@@ -267,13 +267,15 @@ def test_tags_from_before_batches_are_batches(database):
     with database.write() as session:
         config.attributes["connection"] = session.connection()
         command.downgrade(config, "0016")
+        jobs = Table("jobs", MetaData(), autoload_with=session.connection())
         session.execute(insert(ScanRow).values(sha256="s", name="s", size=1, created=0.0, details={}))
         key = {"id": "k", "name": "k", "hash": "h", "scopes": [], "quota": 1, "created": 0.0}
         session.execute(insert(ApiKeyRow).values(key))
         for number, state in enumerate(State):
-            row = {"id": state.value, "dedup": state.value, "family": state.value, "state": state, "scan": "s"}
+            row = {"id": state.value, "dedup": state.value, "family": state.value, "state": state.value, "scan": "s"}
             row |= {"name": "s", "request": {}, "version": "1", "touched": 0.0, "created": float(number)}
-            session.execute(insert(JobRow).values(row))
+            row |= {"priority": 0, "cancel": False, "attempts": 1, "fence": 1, "stage": "", "progress": 1.0}
+            session.execute(insert(jobs).values({**row, "bad_input": False}))
             session.execute(insert(JobTagRow).values(job=state.value, tag="march"))
             if state == State.SUCCEEDED:
                 session.execute(insert(JobTagRow).values(job=state.value, tag="own"))
