@@ -64,11 +64,12 @@ def list_batches(database: Database, limit: int = 50, before: str = "", owner: s
         before: Only those after this tag in the list; empty: from the newest on.
         owner: Only tags and jobs of this API key; None: of all.
     """
-    latest = func.max(BatchRow.latest)
+    latest: ColumnElement[float] = func.max(BatchRow.latest)
     statement = select(BatchRow.tag, latest).group_by(BatchRow.tag).order_by(latest.desc(), BatchRow.tag.desc())
     if owner is not None:
         statement = select(BatchRow.tag, BatchRow.latest).where(BatchRow.key == owner)
-        statement, latest = statement.order_by(BatchRow.latest.desc(), BatchRow.tag.desc()), BatchRow.latest
+        statement = statement.order_by(BatchRow.latest.desc(), BatchRow.tag.desc())
+        latest = BatchRow.latest.expression
     with database.read() as session:
         if before:
             known = select(func.max(BatchRow.latest)).where(BatchRow.tag == before)
@@ -148,8 +149,8 @@ def _sum_up(
     share = (ended + sum(overall for _, overall, _ in running)) / jobs if jobs else 0.0
     left = _estimate(session, rows, running, capacity) if ended < jobs and capacity else None
     left = 0.0 if ended == jobs else left
-    counts = (dict(sorted(one.items())) for one in (states, verdicts, garments))
-    found_states, found_verdicts, found_garments = counts
+    found_states = dict(sorted(states.items()))
+    found_verdicts, found_garments = (dict(sorted(one.items())) for one in (verdicts, garments))
     return Batch(
         tag, latest, jobs, scans, found_states, min(1.0, round(share, 4)), left, found_verdicts, found_garments,
         round(cpu_seconds, 1),

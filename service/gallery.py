@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import ColumnElement, Select, case, func, select
+from sqlalchemy import ColumnElement, case, func, select
 from sqlalchemy.orm import Session
 
 from .database import Database, skip_damaged_rows
@@ -186,7 +186,7 @@ def _read_readers(session: Session, jobs: Sequence[str], owner: str | None) -> l
     return _run(session, statement, lambda chunk: JobInputRow.input.in_(chunk), jobs)
 
 
-def _run(session: Session, statement: Select[Any], choose: Any, values: Sequence[str]) -> list[tuple[str, GalleryJob]]:
+def _run(session: Session, statement: Any, choose: Any, values: Sequence[str]) -> list[tuple[str, GalleryJob]]:
     found: list[tuple[str, GalleryJob]] = []
     for start in range(0, len(values), IDS_AT_ONCE):
         is_chosen: ColumnElement[bool] = choose(values[start : start + IDS_AT_ONCE])

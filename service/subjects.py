@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, fields
 from typing import Any
 
-from sqlalchemy import Select, delete, func, or_, select
+from sqlalchemy import delete, func, or_, select
 from sqlalchemy.orm import Session
 
 from ..core.run.errors import BadInput, NotFound
@@ -253,7 +253,7 @@ def _describe(session: Session, rows: Sequence[SubjectRow]) -> list[Subject]:
     return [Subject(**read_row(row, *found.get(row.id, (0, None)))) for row in rows]
 
 
-def _of_subject(statement: Select[Any], subject: str) -> Select[Any]:
+def _of_subject(statement: Any, subject: str) -> Any:
     return statement.join(SubjectJobRow, SubjectJobRow.job == JobRow.id).where(SubjectJobRow.subject == subject)
 
 
@@ -263,8 +263,8 @@ def _list_families(session: Session, subject: str) -> tuple[SubjectFamily, ...]:
     children: dict[str, list[Child]] = {}
     names = (JobRow.family, JobRow.id, JobRow.name, JobRow.kind, JobRow.state)
     below = select(*names).where(JobRow.family.in_([row.id for row in rows]), JobRow.parent.is_not(None))
-    for family, *values in session.execute(below.order_by(JobRow.created, JobRow.id)):
-        children.setdefault(family, []).append(Child(*values))
+    for row in session.execute(below.order_by(JobRow.created, JobRow.id)):
+        children.setdefault(row.family, []).append(Child(row.id, row.name, row.kind, row.state))
     return tuple(
         SubjectFamily(
             row.id, row.name, row.kind, row.state, row.verdict, row.garment, row.created,

@@ -72,5 +72,6 @@ def order_redrape(recovery: Recovery) -> tuple[ChildRequest, ...]:
         return ()
     recovered = recovery.case.request
     request = RedrapeRequest(recovered.settings, recovered.template is not None)
-    after = {"priority": REDRAPE_PRIORITY, "lane": Lane.BATCH}
-    return (ChildRequest(REDRAPE, REDRAPE, pack_request(request), inputs={RESULT: PARENT}, **after),)
+    inputs, lane = {RESULT: PARENT}, Lane.BATCH
+    packed = pack_request(request)
+    return (ChildRequest(REDRAPE, REDRAPE, packed, inputs=inputs, priority=REDRAPE_PRIORITY, lane=lane),)

@@ -36,7 +36,7 @@ def show_fabrics(rooms: AppStateDependency, visitor: VisitorOf) -> Response:
 
 def find_bending_length(fabric: Fabric) -> float:
     """Return the length [m] over which a fabric's bending stiffness bears its weight: (k / (w g))^(1/3)."""
-    return (fabric.k / (fabric.density * -STANDARD_GRAVITY[1])) ** (1 / 3)
+    return float((fabric.k / (fabric.density * -STANDARD_GRAVITY[1])) ** (1 / 3))
 
 
 def find_droop(fabric: Fabric) -> float:
