@@ -164,7 +164,7 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=100_000)
     given = parser.parse_args()
     with fresh_settings(given.database) as settings:
-        database, store = open_database(settings), Store(settings.store_path)
+        database, store = open_database(settings, is_upgraded=True), Store(settings.store_path)
         store.put_bytes(b"the store is there")
         key = create_key(database, "studio", ("read", "submit"))[0].id
         fill_table(database, given.jobs, key)

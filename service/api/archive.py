@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import io
+import struct
 import zipfile
 from collections.abc import Generator, Sequence
+from datetime import UTC, datetime
 
 from ..records import Artifact
 from ..store import Store
 
-ARCHIVE_MEMBER_TIME = (1980, 1, 1, 0, 0, 0)
-"""Date and time of every file in an archive [year to second]: equal results give equal archives."""
+TIME_FIELD = "<HHBl"
+"""Form of a member's extra field with its time in UTC: id, size, flags, seconds since 1970 (APPNOTE of Info-ZIP); the
+date of the ZIP format itself has no zone."""
+
+TIME_FIELD_ID, TIME_FIELD_SIZE = 0x5455, 5
+"""Index of that field among all kinds [1], and its length [bytes]."""
 
 
 class _Pipe(io.RawIOBase):
@@ -35,16 +41,23 @@ class _Pipe(io.RawIOBase):
         return content
 
 
-def pack_files(store: Store, files: Sequence[Artifact]) -> Generator[bytes]:
+def pack_files(store: Store, files: Sequence[Artifact], time: float) -> Generator[bytes]:
     """Yield an archive of some files block by block; each file is read from the store when its turn comes.
+
+    Args:
+        store: Where the files are.
+        files: Names and hashes.
+        time: When they were made [s since 1970]; a result's archive is the same each time.
 
     Raises:
         ArtifactMissing, ArtifactDamaged: in place of the next block; the blocks before it are an incomplete archive.
     """
-    pipe = _Pipe()
+    pipe, made = _Pipe(), int(time)
+    utc = datetime.fromtimestamp(made, UTC)
     with zipfile.ZipFile(pipe, "w", zipfile.ZIP_STORED) as archive:
         for file in files:
-            member = zipfile.ZipInfo(file.name, ARCHIVE_MEMBER_TIME)
+            member = zipfile.ZipInfo(file.name, utc.timetuple()[:6])
+            member.extra = struct.pack(TIME_FIELD, TIME_FIELD_ID, TIME_FIELD_SIZE, 1, made)
             member.file_size = file.size
             with archive.open(member, "w", force_zip64=file.size > 2**31) as out:
                 for block in store.read_checked(file.sha256, file.size):

@@ -24,13 +24,15 @@ from ..records import Artifact
 from ..store import STORE_BLOCK_SIZE, ArtifactDamaged, Store
 from .access import AppState
 from .guard import IS_HEAD
+from .media_types import BYTES, find_media_type
 from .problems import make_problem
 from .ranges import RangeBad, read_ranges
 
 log = logging.getLogger(__name__)
 
-BYTES = "application/octet-stream"
-"""Media type of every downloaded file: never one that a browser would run."""
+REVALIDATED = "private, no-cache"
+"""Cache-Control of a downloaded file: a browser may keep it, but asks each time whether it is still there and the same,
+and so shows no body after its deletion; proxies keep nothing."""
 
 
 @dataclass(frozen=True)
@@ -113,14 +115,15 @@ def send_file(
         ArtifactMissing, ArtifactDamaged: if the store does not have it, or in another size.
     """
     etag = f'"{file.sha256}"'
-    headers = {"etag": etag}
+    headers = {"etag": etag, "cache-control": REVALIDATED}
     etags = request.headers.get("if-none-match", "")
     if etags.strip() == "*" or etag in etags:
         return Response(status_code=304, headers=headers)
     size = rooms.store.size(file.sha256)
     if size != file.size:
         raise ArtifactDamaged()
-    shown = shown or SendOptions(headers={"content-disposition": _content_disposition(file.name)})
+    attached = {"content-disposition": _content_disposition(file.name)}
+    shown = shown or SendOptions(find_media_type(file.name), attached)
     headers |= {"accept-ranges": "bytes", **shown.headers}
     try:
         ranges = _find_ranges(request, etag, size)

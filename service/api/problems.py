@@ -16,6 +16,8 @@ from starlette.requests import ClientDisconnect
 from ...core.run.errors import BadInput, GarmentqError, NotFound, keep_printable
 from ...core.run.sandbox import LONGEST_MESSAGE
 from ..shown_errors import is_service_error, show_message
+from .media_types import BYTES as BYTES_TYPE
+from .media_types import MEDIA_TYPES
 from .nulls import hide_nulls
 
 log = logging.getLogger(__name__)
@@ -200,9 +202,15 @@ def show_list(name: str, items: Sequence[object]) -> dict[str, object]:
     return {name: items, "total": len(items), "next": None}
 
 
-def show_bytes(description: str, media: str = "application/octet-stream") -> dict[str, Any]:
+def show_bytes(description: str, media: str = BYTES_TYPE) -> dict[str, Any]:
     """Describe a response that is a file, in OpenAPI."""
     return {"description": description, "content": {media: {"schema": BYTES, "example": "(bytes)"}}}
+
+
+def show_file(description: str) -> dict[str, Any]:
+    """Describe a response that is a file of one of the types that results have, in OpenAPI."""
+    types = [BYTES_TYPE, *sorted({one.partition(";")[0] for one in MEDIA_TYPES.values()})]
+    return {"description": description, "content": {one: show_bytes("", one)["content"][one] for one in types}}
 
 
 def show_refusals(*statuses: int) -> dict[int | str, dict[str, Any]]:

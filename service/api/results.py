@@ -18,7 +18,7 @@ from .archive import pack_files
 from .download import Download, SendOptions, send_file
 from .jobs import EXAMPLE as JOB
 from .jobs import show_job
-from .problems import API_REFUSAL_STATUSES, show_answer, show_bytes, show_list, show_refusals
+from .problems import API_REFUSAL_STATUSES, show_answer, show_bytes, show_file, show_list, show_refusals
 
 router = APIRouter(tags=["results"])
 
@@ -61,8 +61,8 @@ def list_artifacts(job: str, rooms: AppStateDependency, caller: Reader) -> Any:
     summary="Download a file of a job.",
     response_class=StreamingResponse,
     responses={
-        200: show_bytes("The file."),
-        206: show_bytes("The bytes that `Range` names."),
+        200: show_file("The file."),
+        206: show_file("The bytes that `Range` names."),
         304: {"description": "`If-None-Match` names the file's hash."},
         **show_refusals(*API_REFUSAL_STATUSES, 416),
     },
@@ -96,7 +96,12 @@ def download_result(job: str, rooms: AppStateDependency, caller: Reader) -> Resp
     if not files:
         raise ResultMissing(f"job {row.id} has no files; `garmentq status {row.id}` shows why.")
     headers = {"content-disposition": f'attachment; filename="{row.id}.zip"'}
-    return Download(rooms, caller, pack_files(rooms.store, files), SendOptions("application/zip", headers))
+    return Download(
+        rooms,
+        caller,
+        pack_files(rooms.store, files, row.finished or row.created),
+        SendOptions("application/zip", headers),
+    )
 
 
 @router.get(
@@ -104,8 +109,8 @@ def download_result(job: str, rooms: AppStateDependency, caller: Reader) -> Resp
     summary="Download a file by name from a job's newest export that has it.",
     response_class=StreamingResponse,
     responses={
-        200: show_bytes("The file."),
-        206: show_bytes("The bytes that `Range` names."),
+        200: show_file("The file."),
+        206: show_file("The bytes that `Range` names."),
         304: {"description": "`If-None-Match` names the file's hash."},
         **show_refusals(*API_REFUSAL_STATUSES, 416),
     },

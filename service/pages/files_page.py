@@ -9,7 +9,7 @@ from contextlib import suppress
 from fastapi import Request, Response
 
 from ..api.access import AppState, AppStateDependency, find_own
-from ..api.download import BYTES, Download, SendOptions, send_file, slice_bytes
+from ..api.download import REVALIDATED, Download, SendOptions, send_file, slice_bytes
 from ..records import Artifact
 from ..results import ResultMissing, list_files
 from ..store import ArtifactDamaged, ArtifactMissing
@@ -28,8 +28,8 @@ REPORT_POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; f
 MAX_SHOWN_FILE_SIZE = 64 * 1024**2
 """Largest file that is packed for a view [bytes]: a scan of 1.3 million vertices."""
 
-PICTURE_CACHE_CONTROL = "private, max-age=86400"
-"""Cache of a picture in a browser; its address changes with its content."""
+PICTURE_CACHE_CONTROL = "private, max-age=3600"
+"""Cache of a job's figure in a browser; meshes of bodies are asked for again each time."""
 
 
 @router.get("/results/{job}/report")
@@ -83,11 +83,11 @@ def _send_packed(
     if not files:
         raise ResultMissing("the job has no such mesh, or it is too large to be shown; download its files.")
     etag = f'"{hashlib.sha256(repr(files).encode()).hexdigest()[:32]}"'
-    headers = {"etag": etag, "cache-control": PICTURE_CACHE_CONTROL}
+    headers = {"etag": etag, "cache-control": REVALIDATED}
     if etag in request.headers.get("if-none-match", ""):
         return Response(status_code=304, headers=headers)
     packed = slice_bytes(pack_files(rooms.store, tuple(files)))
-    return Download(rooms, visitor.caller, packed, SendOptions(BYTES, headers))
+    return Download(rooms, visitor.caller, packed, SendOptions(headers=headers))
 
 
 @router.get("/jobs/{job}/thumbnail")

@@ -7,6 +7,7 @@ import json
 import logging
 import re
 import socket
+import struct
 import threading
 import time
 import zipfile
@@ -242,6 +243,10 @@ def test_head_zip_and_pages(client, settings, database, store, tmp_path):
     packed = client.get(f"/v1/jobs/{jobs[0]}/result.zip")
     with zipfile.ZipFile(io.BytesIO(packed.content)) as archive:
         assert archive.testzip() is None
+        finished = client.get(f"/v1/jobs/{jobs[0]}").json()["finished"]
+        for member in archive.infolist():
+            assert member.date_time == time.gmtime(finished)[:5] + (time.gmtime(finished)[5] // 2 * 2,)
+            assert struct.unpack("<HHBl", member.extra[:9]) == (0x5455, 5, 1, int(finished))
         assert {name: archive.read(name) for name in archive.namelist()} == {
             path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()
         }

@@ -16,6 +16,7 @@ import httpx
 import pytest
 from api_client import local_user
 from api_work import ask, code_of, finish, make_key
+from garmentq.service.api.media_types import find_media_type
 from garmentq.service.models import ArtifactRow
 from garmentq.service.results import RESULT
 from garmentq_home import STANDIN, make_environment, make_home, wait_for
@@ -263,3 +264,16 @@ def test_downloads_at_a_time(tmp_path, settings, database, store):
                 assert client.head(url).status_code == 200 and client.get(f"/v1/jobs/{job}").status_code == 200
                 assert client.get(url, headers=theirs).status_code == 200
             wait_for(lambda: client.get(url).status_code == 200)
+
+
+@pytest.mark.parametrize(
+    ("name", "media"),
+    [
+        ("mesh.glb", "model/gltf-binary"), ("pattern.pdf", "application/pdf"), ("pattern.SVG", "image/svg+xml"),
+        ("metrics.json", "application/json"), ("report.html", "text/html; charset=utf-8"),
+        ("scan.ply", "application/octet-stream"), ("noend", "application/octet-stream"),
+    ],
+)  # fmt: skip
+def test_a_file_has_its_media_type(name, media):
+    """Broken where a program has to guess what it gets."""
+    assert find_media_type(name) == media

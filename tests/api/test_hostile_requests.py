@@ -200,7 +200,8 @@ def test_names_are_escaped_everywhere(client, cli, settings, database, store, tm
     assert answer.headers["x-content-type-options"] == "nosniff"
     finish(settings, database, store, job, tmp_path / "out")
     svg = client.get(f"/v1/jobs/{job}/artifacts/pattern.svg")
-    assert svg.headers["content-type"] == "application/octet-stream"
+    assert svg.headers["content-type"] == "image/svg+xml" and svg.headers["x-content-type-options"] == "nosniff"
+    assert "default-src 'none'" in svg.headers["content-security-policy"]
     assert svg.headers["content-disposition"].startswith("attachment")
     for words in (("status",), ("query", "--csv"), ("logs", job)):
         shown = cli(*words).stdout

@@ -122,3 +122,16 @@ def test_events_name_no_host(client, keys, database):
     assert client.post(f"/v1/jobs/{job}/cancel", headers=keys[0]).status_code == 200
     accept = {"accept": "text/event-stream"}
     assert "host" not in client.get(f"/v1/jobs/{job}/events", headers=keys[0] | accept).text
+
+
+def test_a_cached_file_is_asked_for_again(client, settings, database, store, tmp_path):
+    """Broken where a browser or a proxy shows a file, a body for example, after its deletion, or fetches it twice."""
+    job = ask(client).json()["job"]
+    finish(settings, database, store, job, tmp_path / "out")
+    path = f"/v1/jobs/{job}/artifacts/pattern.svg"
+    first = client.get(path)
+    assert first.headers["cache-control"] == "private, no-cache"
+    again = client.get(path, headers={"if-none-match": first.headers["etag"]})
+    assert (again.status_code, again.content, again.headers["cache-control"]) == (304, b"", "private, no-cache")
+    assert client.delete(f"/v1/jobs/{job}").status_code == 200
+    assert client.get(path, headers={"if-none-match": first.headers["etag"]}).status_code == 404
