@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from dataclasses import dataclass
 from pathlib import Path
 
 from sqlalchemy import func, select
@@ -36,6 +37,33 @@ class DayFull(GarmentqError):
         self.retry_seconds = max(1.0, seconds)
 
 
+class DayFilesFull(DayFull):
+    """The key has reached its number of uploaded files in 24 hours; wait until the first are a day old."""
+
+    code = "key.day_files"
+
+
+class UploadsFull(BadInput):
+    """The key has reached its number of stored uploads; delete some (`DELETE /v1/scans/SHA256`)."""
+
+    code = "key.uploads_full"
+
+
+@dataclass(frozen=True)
+class UploadBounds:
+    """Describe what a key may upload.
+
+    Attributes:
+        day_bytes: Bytes in 24 hours.
+        day_files: Files in 24 hours.
+        files: Files in all.
+    """
+
+    day_bytes: int
+    day_files: int
+    files: int
+
+
 class IdempotencyMismatch(BadInput):
     """The Idempotency-Key was used for another request; send a new one."""
 
@@ -43,7 +71,12 @@ class IdempotencyMismatch(BadInput):
 
 
 def keep_upload(
-    database: Database, store: Store, key: str, path: Path, name_and_kind: tuple[str, str], day_bytes: int | None = None
+    database: Database,
+    store: Store,
+    key: str,
+    path: Path,
+    name_and_kind: tuple[str, str],
+    bounds: UploadBounds | None = None,
 ) -> StoredFile:
     """Store an uploaded file, and that this key may use it as its kind; a new name replaces an older one.
 
@@ -53,16 +86,16 @@ def keep_upload(
         key: Id of the API key, or empty.
         path: The file.
         name_and_kind: Its name, and its kind, `scans` for example.
-        day_bytes: Largest number of bytes that the key may upload in 24 hours; None: unlimited.
+        bounds: What the key may upload; None: unlimited.
 
     Raises:
-        DayFull: if the files of the key's last 24 hours would exceed `day_bytes`.
+        DayFull, DayFilesFull, UploadsFull: if the file would exceed them.
     """
     kept = store.put(path)
     with database.write() as session:
-        if day_bytes is not None:
+        if bounds is not None:
             lock_key(session, key)
-            _check_day(session, key, kept.size, day_bytes, kept.sha256)
+            _check_bounds(session, key, kept.size, bounds, kept.sha256)
         known = session.get(UploadRow, (key, kept.sha256))
         kinds = sorted({name_and_kind[1], *(known.kinds if known is not None else ())})
         row = UploadRow(key=key, sha256=kept.sha256, name=_printable(name_and_kind[0]), size=kept.size, kinds=kinds)
@@ -71,15 +104,15 @@ def keep_upload(
     return kept
 
 
-def check_day(database: Database, key: str, size: int, day_bytes: int | None) -> None:
+def check_bounds(database: Database, key: str, size: int, bounds: UploadBounds | None) -> None:
     """Check whether a key may upload a file of a size [bytes] before it is sent; the same file again does not count.
 
     Raises:
-        DayFull: if it may not.
+        DayFull, DayFilesFull, UploadsFull: if it may not.
     """
-    if day_bytes is not None:
+    if bounds is not None:
         with database.read() as session:
-            _check_day(session, key, size, day_bytes)
+            _check_bounds(session, key, size, bounds)
 
 
 def _printable(name: str) -> str:
@@ -87,14 +120,20 @@ def _printable(name: str) -> str:
     return "".join(filter(str.isprintable, Path(name).name))[-255:]
 
 
-def _check_day(session: Session, key: str, size: int, day_bytes: int, sha256: str = "") -> None:
+def _check_bounds(session: Session, key: str, size: int, bounds: UploadBounds, sha256: str = "") -> None:
     """Sum what the key uploaded within a day; a file uploaded again counts once, by its latest time."""
-    latest = (UploadRow.key == key) & (UploadRow.created > clock() - DAY_SECONDS) & (UploadRow.sha256 != sha256)
-    found = select(func.coalesce(func.sum(UploadRow.size), 0), clock() - func.min(UploadRow.created)).where(latest)
-    used, age = session.execute(found).one()
-    if used + max(size, 1) > day_bytes:
-        left = DAY_SECONDS - float(age or 0.0)
-        raise DayFull(f"the key uploaded {used} of {day_bytes} bytes a day; wait until the first are a day old.", left)
+    others = (UploadRow.key == key) & (UploadRow.sha256 != sha256)
+    latest = others & (UploadRow.created > clock() - DAY_SECONDS)
+    sums = (func.coalesce(func.sum(UploadRow.size), 0), func.count(), clock() - func.min(UploadRow.created))
+    used, count, age = session.execute(select(*sums).where(latest)).one()
+    left = DAY_SECONDS - float(age or 0.0)
+    if used + max(size, 1) > bounds.day_bytes:
+        most = bounds.day_bytes
+        raise DayFull(f"the key uploaded {used} of {most} bytes a day; wait until the first are a day old.", left)
+    if count >= bounds.day_files:
+        raise DayFilesFull(f"the key uploaded {count} files in a day; wait until the first are a day old.", left)
+    if (session.scalar(select(func.count()).select_from(UploadRow).where(others)) or 0) >= bounds.files:
+        raise UploadsFull(f"the key has {bounds.files} uploads, its limit; delete some.")
 
 
 def find_upload(database: Database, key: str, sha256: str, kind: str | None = None) -> UploadRow:

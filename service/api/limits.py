@@ -8,6 +8,7 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 from ..settings import ServiceSettingBad
+from ..uploads import UploadBounds
 
 PREFIX = "GARMENTQ_API_"
 """Beginning of a limit's variable: GARMENTQ_API_UPLOAD_BYTES and so on."""
@@ -46,6 +47,8 @@ class ApiLimits:
         limited_waiting: Requests of one key that wait for their turn; a page that compares or edits sends two or three.
         limited_wait_seconds: Longest time that they wait [s]; a pattern of six panels is checked in 1.
         day_bytes: Bytes of the files that one key uploads in 24 hours; a studio's 1000 scans of 20 MB are 20 GB.
+        day_files: Files that one key uploads in 24 hours; a studio's 1000 scans with a body and labels each are 3000.
+        files: Uploads of one key that are stored; each is a file and a row, until it is deleted or its retention ends.
     """
 
     upload_bytes: int = 512 * 1024**2
@@ -69,6 +72,13 @@ class ApiLimits:
     limited_waiting: int = 8
     limited_wait_seconds: float = 10.0
     day_bytes: int = 64 * 1024**3
+    day_files: int = 10_000
+    files: int = 1_000_000
+
+    @property
+    def upload_bounds(self) -> UploadBounds:
+        """Return what one key may upload."""
+        return UploadBounds(self.day_bytes, self.day_files, self.files)
 
 
 def read_limits(environment: Mapping[str, str] | None = None) -> ApiLimits:

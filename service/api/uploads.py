@@ -20,7 +20,7 @@ from ..deletion import Deleted, delete_upload
 from ..private import make_private
 from ..store import StorageFull
 from ..submission import clean_name
-from ..uploads import check_day, find_upload, keep_upload
+from ..uploads import check_bounds, find_upload, keep_upload
 from .access import AppState, AppStateDependency, Reader, Submitter
 from .answers import Upload
 from .problems import BYTES, refuse, show_answer
@@ -61,13 +61,13 @@ def _add(kind: str) -> None:
             raise refuse(415, "upload.not_raw", "send the file itself as the body, not a form that contains it.")
         cleaned = clean_name(name)
         length = _refuse_length(request, rooms)
-        most = rooms.limits.day_bytes if caller.key else None
+        bounds = rooms.limits.upload_bounds if caller.key else None
         with rooms.meter.uploading(caller.key):
             await run_in_threadpool(rooms.store.check, rooms.settings.free_bytes + length)
-            await run_in_threadpool(check_day, rooms.database, caller.key, length, most)
+            await run_in_threadpool(check_bounds, rooms.database, caller.key, length, bounds)
             async with _spool_body(request, rooms, Path(cleaned).suffix.lower()) as path:
                 await run_in_threadpool(_check, kind, path, cleaned)
-                keep = (rooms.database, rooms.store, caller.key, path, (name, kind), most)
+                keep = (rooms.database, rooms.store, caller.key, path, (name, kind), bounds)
                 kept = await rooms.lanes.transfers.run(keep_upload, *keep)
         response.headers["location"] = f"/v1/{kind}/{kept.sha256}"
         response.headers["etag"] = f'"{kept.sha256}"'

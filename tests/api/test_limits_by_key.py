@@ -101,6 +101,23 @@ def test_bytes_of_a_day(settings, database):
         assert list((settings.home / "incoming").iterdir()) == []
 
 
+def test_number_of_uploads(settings, database):
+    """Broken where small files fill tables and store for ever, or the same file counts twice."""
+    for limits, status, code in (({"day_files": 2}, 429, "key.day_files"), ({"files": 2}, 422, "key.uploads_full")):
+        with (
+            serving(settings, replace(LIMITS, **limits), is_open=False) as url,
+            httpx.Client(base_url=url) as client,
+        ):
+            first, second = make_key(database, "first"), make_key(database, "second")
+            for mark in (0.1, 0.1, 0.2):
+                scan = upload(client, mark, headers=first)
+            refused = client.post("/v1/scans", params={"name": "c.ply"}, content=make_ply(0.3), headers=first)
+            assert (refused.status_code, code_of(refused)) == (status, code), refused.text
+            assert upload(client, 0.3, headers=second)
+            assert client.delete(f"/v1/scans/{scan}", headers=first).status_code == 200
+            assert upload(client, 0.3, headers=first)
+
+
 def test_open_jobs(settings, database, store, tmp_path):
     """Broken where a running job frees its place before it ended, so that a key can hold every worker."""
     with serving(settings, is_open=False) as url, httpx.Client(base_url=url) as client:
