@@ -19,6 +19,7 @@ from .options import OrderOptions, WaitOptions, home_option, json_option, order_
 if TYPE_CHECKING:
     from ..core.run.errors import GarmentqError
     from ..service.backend import Backend
+    from ..service.order import Order
     from ..service.submission import SubmissionResult
 
 MAX_FILES_AT_ONCE = 4
@@ -112,24 +113,37 @@ class _Outcome:
 
 
 def _submit_all(backend: Backend, pairs: Sequence[tuple[Path, OrderOptions]], terms: _Terms) -> Iterator[_Outcome]:
-    """Submit files, several at a time, and yield what became of each in their order.
+    """Submit files, several at a time, and yield what became of each.
 
-    A check takes a second in a process of its own, so that a bad file behind good ones is named within seconds.
+    Names and headers of all files are looked at before any is read, which takes 2 s for each: a file that is none is
+    yielded first, behind however many good ones it stands; the others follow in their order.
     """
     from ..core.run.errors import GarmentqError
+    from ..service.headers import check_headers
     from .order import describe_choice, describe_overrides, make_order
 
-    def submit(file: Path, chosen: OrderOptions) -> _Outcome:
+    orders: list[tuple[Path, Order, str]] = []
+    for file, chosen in pairs:
         try:
             order = make_order(backend, file, chosen)
-            choice = describe_choice(order) + describe_overrides(chosen)
-            order = replace(order, terms=replace(order.terms, priority=terms.priority, queue=terms.queue))
+        except GarmentqError as error:
+            yield _Outcome(file, error=error)
+            continue
+        order = replace(order, terms=replace(order.terms, priority=terms.priority, queue=terms.queue))
+        orders.append((file, order, describe_choice(order) + describe_overrides(chosen)))
+    scans = list(dict.fromkeys(order.scan for _, order, _ in orders))
+    refused = check_headers(scans) if terms.is_checked and scans else {}
+    yield from (_Outcome(file, error=refused[order.scan]) for file, order, _ in orders if order.scan in refused)
+
+    def submit(file: Path, order: Order, choice: str) -> _Outcome:
+        try:
             return _Outcome(file, backend.submit(order, terms.is_checked), choice)
         except GarmentqError as error:
             return _Outcome(file, error=error)
 
-    with ThreadPoolExecutor(min(len(pairs), MAX_FILES_AT_ONCE) or 1) as pool:
-        waiting = [pool.submit(submit, *pair) for pair in pairs]
+    left = [one for one in orders if one[1].scan not in refused]
+    with ThreadPoolExecutor(min(len(left), MAX_FILES_AT_ONCE) or 1) as pool:
+        waiting = [pool.submit(submit, *one) for one in left]
         try:
             for one in waiting:
                 yield one.result()

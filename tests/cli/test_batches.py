@@ -64,8 +64,8 @@ def test_a_bad_file_is_told_without_a_worker(cli, scans, database):
     done = cli("submit", scans, "--body", "builtin:female,height=1.7")
     lines = [[word.strip() for word in line.split("  ") if word] for line in done.stdout.splitlines()]
     assert done.returncode == 4 and done.stderr == "", done
-    assert [line[-2] for line in lines] == ["a.ply", "aa.ply", "b.ply", "body.ply"]
-    assert lines[1][0] == "-" and lines[1][-1].startswith("scan.truncated: ")
+    assert [line[-2] for line in lines] == ["aa.ply", "a.ply", "b.ply", "body.ply"]
+    assert lines[0][0] == "-" and lines[0][-1].startswith("scan.magic: "), "its header tells, before any is read"
     queued = [line[0] for line in lines if line[0] != "-"]
     assert sorted(queued) == sorted(row.id for row in list_jobs(database))
     unchecked = cli("submit", scans / "aa.ply", "--body", "builtin:female,height=1.7", "--no-check")

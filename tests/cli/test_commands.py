@@ -170,13 +170,13 @@ def test_submit_waits_for_the_check(cli, tmp_path):
     try:
         assert cli.start("up", "--workers", "2").returncode == 0
         done = cli("submit", good, broken, "--body", body, "--wait")
-        first, second = done.stdout.splitlines()
-        assert done.returncode == 4 and second.split()[:3] == ["-", "broken.ply", "scan.truncated:"]
+        second, first = done.stdout.splitlines()  # its header tells
+        assert done.returncode == 4 and second.split()[:3] == ["-", "broken.ply", "scan.magic:"]
         again = cli("submit", good, broken, "--body", body, "--json")
         rows = [json.loads(line) for line in again.stdout.splitlines()]
-        assert again.returncode == 4 and [row["job"] for row in rows] == [first.split()[0], None]
-        assert rows[0]["state"] == "succeeded" and rows[0]["error"] is None
-        assert rows[1]["error"]["code"] == "scan.truncated"
+        assert again.returncode == 4 and [row["job"] for row in rows] == [None, first.split()[0]]
+        assert rows[1]["state"] == "succeeded" and rows[1]["error"] is None
+        assert rows[0]["error"]["code"] == "scan.magic"
         ran = cli("run", broken, "--body", body)
         assert ran.returncode == 4 and ran.stderr.splitlines()[-1].startswith("error scan.truncated")
     finally:

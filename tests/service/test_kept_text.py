@@ -30,6 +30,7 @@ from garmentq.service.api.limits import ApiLimits
 from garmentq.service.kinds import FileRef, pack_request
 from garmentq.service.kinds.person_request import PersonRequest
 from garmentq.service.matching import PairsUnreadable, read_pairs
+from garmentq_home import put_file
 from sqlalchemy import text
 
 WORDS = ("\x00", "a\x00b", "\ud800", "a\udfff", "\udc00\ud800")
@@ -137,8 +138,7 @@ def test_no_command_with_such_a_text_is_a_traceback(cli, settings, database, que
             for variables in ({}, {"GARMENTQ_URL": url}):
                 done = cli(*words, **variables)
                 assert (done.returncode, done.stderr) == (4, f"error text.bad: {TextBad().message}\n"), words
-    odd = tmp_path / "caf\udce9.ply"
-    odd.write_text("ply\nodd\n")
+    odd = put_file(tmp_path, "odd.ply").rename(tmp_path / "caf\udce9.ply")
     done = cli("submit", odd, "--body", "builtin:female")
     assert done.returncode == 0, done.stderr
 

@@ -33,6 +33,9 @@ from sqlalchemy.pool import NullPool
 
 STANDIN = Path(__file__).parent
 
+HEADER = "ply\nformat ascii 1.0\nelement vertex 1\n" + "".join(f"property float {axis}\n" for axis in "xyz")
+"""Begin of a file of one point, as far as its header is looked at."""
+
 SERVER, BLANK = pytest.StashKey[PostgresServer](), pytest.StashKey[str]()
 
 DATABASES = ("sqlite", "postgresql")
@@ -99,7 +102,7 @@ class Cli:
 def put_file(folder: Path, name: str, content: str = "") -> Path:
     """Write a file that the stand-in takes for a mesh; its bytes differ by name."""
     path = folder / name
-    path.write_text(f"ply\n{name} {content}\n")
+    path.write_text(f"{HEADER}comment {name} {content}\nend_header\n0 0 0\n")
     return path
 
 
