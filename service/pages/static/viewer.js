@@ -1,7 +1,7 @@
 // Meshes in 3D, drawn when something changed and not otherwise. Metres, y up.
 import {
-  BufferAttribute, BufferGeometry, Color, DirectionalLight, DoubleSide, HemisphereLight, Line, LineBasicMaterial, Mesh, MeshBasicMaterial,
-  MeshLambertMaterial, MeshNormalMaterial, OrbitControls, PerspectiveCamera, Points, PointsMaterial, Raycaster, Scene, Sphere, SphereGeometry, SRGBColorSpace, Vector2, Vector3,
+  Box3, BufferAttribute, BufferGeometry, Color, DirectionalLight, DoubleSide, HemisphereLight, Line, LineBasicMaterial, Mesh, MeshBasicMaterial,
+  MeshLambertMaterial, MeshNormalMaterial, OrbitControls, PerspectiveCamera, Points, PointsMaterial, Raycaster, Scene, SphereGeometry, SRGBColorSpace, Vector2, Vector3,
   WebGLRenderer,
 } from './vendor/three-0.187.0.js';
 
@@ -10,6 +10,10 @@ const MARK = 0.008;
 
 /** Size of a cloud's points [m]. */
 const POINT = 0.007;
+
+/** Free space around what is framed, as a share of its distance, and the time of a turn of the turntable [ms]: slow enough to look at a seam. */
+const MARGIN = 0.04;
+const TURN_MS = 12_000;
 
 /** Colours of a value from 0 to 1, light to dark: those of the report's error map. */
 const STOPS = [[0, [0.9, 0.92, 0.9]], [0.25, [0.98, 0.86, 0.55]], [0.5, [0.95, 0.6, 0.26]], [0.75, [0.8, 0.25, 0.2]], [1, [0.42, 0.05, 0.24]]];
@@ -64,6 +68,7 @@ export class Viewer {
     canvas.setAttribute('aria-label', '3D view: drag to turn, wheel to zoom, arrow keys to turn, plus and minus to zoom');
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.addEventListener('change', () => this.draw());
+    this.controls.addEventListener('start', () => { this.isFramed = false; });
     canvas.addEventListener('keydown', (event) => this.turnByKey(event));
     this.meshes = new Map();
     this.mark = new Mesh(new SphereGeometry(MARK, 16, 12), new MeshBasicMaterial({ color: 0xd9480f, depthTest: false }));
@@ -72,6 +77,8 @@ export class Viewer {
     this.lines = [];
     this.scene.add(this.mark);
     this.style = 'cloth';
+    this.isFramed = false;
+    this.isSpinning = false;
     this.wireframe = false;
     new ResizeObserver(() => this.resize()).observe(place);
     this.resize();
@@ -84,6 +91,7 @@ export class Viewer {
     this.renderer.setSize(width, height);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
+    if (this.isFramed) this.frame(this.azimuth);
     this.draw();
   }
 
@@ -128,6 +136,7 @@ export class Viewer {
     geometry.attributes.position.needsUpdate = true;
     geometry.computeVertexNormals();
     geometry.computeBoundingSphere();
+    geometry.boundingBox = null;
     this.draw();
   }
 
@@ -161,19 +170,52 @@ export class Viewer {
     this.draw();
   }
 
-  /** Look at all that is shown, from the front. */
-  frame() {
-    const ball = new Sphere();
-    for (const mesh of this.meshes.values()) {
-      if (!mesh.visible) continue;
-      mesh.geometry.computeBoundingSphere();
-      if (ball.radius < 0) ball.copy(mesh.geometry.boundingSphere);
-      else ball.union(mesh.geometry.boundingSphere);
+  /** @returns {number} the angle from which the camera looks, around the upright axis; 0: the front [rad] */
+  get azimuth() {
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    return Math.atan2(offset.x, offset.z);
+  }
+
+  /**
+   * Look at all that is shown, level, from so far that the whole stays in view as it turns; until it is moved it stays whole in every size.
+   * @param {number} [angle] around the upright axis; 0: the front, a quarter to its left [rad]
+   */
+  frame(angle = 0) {
+    const shown = [...this.meshes.values()].filter((mesh) => mesh.visible), box = new Box3(), { target } = this.controls;
+    for (const mesh of shown) box.expandByObject(mesh);
+    if (box.isEmpty()) return;
+    box.getCenter(target);
+    const up = Math.tan((Math.PI * this.camera.fov) / 360), across = Math.sin(Math.atan(up * this.camera.aspect));
+    let far = 0;
+    for (const { array } of shown.map((mesh) => mesh.geometry.attributes.position)) {
+      for (let n = 0; n < array.length; n += 3) {
+        const radius = Math.hypot(array[n] - target.x, array[n + 2] - target.z);
+        far = Math.max(far, Math.abs(array[n + 1] - target.y) / up + radius, radius / across);
+      }
     }
-    const half = (Math.PI * this.camera.fov) / 360;
-    const far = ball.radius / Math.sin(Math.min(half, Math.atan(Math.tan(half) * this.camera.aspect)));
-    this.controls.target.copy(ball.center);
-    this.camera.position.copy(ball.center).add(new Vector3(0, 0, 0.95 * far));
+    this.camera.position.copy(target).add(new Vector3(Math.sin(angle), 0, Math.cos(angle)).multiplyScalar((1 + MARGIN) * far));
+    this.controls.update();
+    this.isFramed = true;
+    this.draw();
+  }
+
+  /** @param {boolean} isOn turn what is shown before the camera, until it is told to stop */
+  spin(isOn) {
+    this.isSpinning = isOn;
+    let before = performance.now();
+    const step = (now) => {
+      if (!this.isSpinning) return;
+      this.turn((-2 * Math.PI * (now - before)) / TURN_MS);
+      before = now;
+      requestAnimationFrame(step);
+    };
+    if (isOn) requestAnimationFrame(step);
+  }
+
+  /** @param {number} angle to turn the camera around the upright axis by [rad] */
+  turn(angle) {
+    const offset = this.camera.position.clone().sub(this.controls.target).applyAxisAngle(new Vector3(0, 1, 0), angle);
+    this.camera.position.copy(this.controls.target).add(offset);
     this.controls.update();
     this.draw();
   }
@@ -191,6 +233,7 @@ export class Viewer {
     else if (event.key === '-') offset.multiplyScalar(1 / 0.9);
     else return;
     event.preventDefault();
+    this.isFramed = false;
     this.camera.position.copy(this.controls.target).add(offset);
     this.controls.update();
     this.draw();
