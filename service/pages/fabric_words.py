@@ -31,14 +31,16 @@ def draw_fabric(name: str | None, fit: Any) -> Html:
     fabric = fit.get("fabric", {}) if isinstance(fit, dict) else {}
     for parameter, estimate in fabric.items() if isinstance(fabric, dict) else ():
         (known if estimate.get("identifiable") else unknown).append(_describe_parameter(str(parameter), estimate))
-    chosen = html("<p>Chosen: {}.</p>", name) if name else Html()
+    chosen = html("<p>Chosen: {}.</p>", name.replace("_", " ")) if name else Html()
     if not known and not unknown:
         estimate = "The method fits no fabric: all numbers are those of the chosen one."
         return html("<h2>Fabric</h2>{}<p class=soft>{}</p>", chosen, estimate)
     nearest = fit.get("nearest_fabrics") or []
-    similar = html("<p>Most similar in bending: {}.</p>", ", ".join(str(one) for one in nearest)) if nearest else Html()
-    lists = [_list("Known", known), _list("Not identifiable from this scan", unknown)]
-    return html("<h2>Fabric</h2>{}{}{}", chosen, join(lists), similar)
+    alike = ", ".join(str(one).replace("_", " ") for one in nearest)
+    similar = html("<p>Most similar in bending: {}.</p>", alike) if nearest else Html()
+    folded = "<details><summary>Not identifiable from this scan ({})</summary><ul>{}</ul></details>"
+    rest = html(folded, len(unknown), join(html("<li>{}</li>", line) for line in unknown)) if unknown else Html()
+    return html("<h2>Fabric</h2>{}{}{}", chosen, join([_list("Known", known), rest]), similar)
 
 
 def _describe_parameter(parameter: str, estimate: dict[str, Any]) -> Html:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from contextlib import suppress
 
 from fastapi import Request, Response
@@ -13,12 +13,13 @@ from ..api.download import REVALIDATED, Download, SendOptions, send_file, slice_
 from ..records import Artifact
 from ..results import ResultMissing, list_files
 from ..store import ArtifactDamaged, ArtifactMissing
+from .contact_sheets import cut_column, find_contact_sheet
 from .figures import cut_figure, find_figure
 from .page_route import make_router
 from .session import VisitorOf
 from .shell import Visitor
 from .shown_meshes import SCANS, WORN, list_shown
-from .stored_files import REPORT, find_file, list_pictures, pack_files
+from .stored_files import REPORT, Picture, find_file, list_pictures, pack_files
 
 router = make_router()
 
@@ -51,6 +52,25 @@ def show_picture(job: str, number: int, rooms: AppStateDependency, visitor: Visi
     if not 0 <= number < len(pictures):
         raise ResultMissing("the report has no such picture.")
     return Response(pictures[number].content, media_type=f"image/{pictures[number].kind}")
+
+
+@router.get("/results/{job}/pictures/{number}/{column}")
+def show_column(job: str, number: int, column: int, rooms: AppStateDependency, visitor: VisitorOf) -> Response:
+    """Return one column of a contact sheet among the pictures of the report, both counted from 0."""
+    row = find_own(rooms, visitor.caller, job)
+    return send_column(list_pictures(rooms, row.id), number, column)
+
+
+def send_column(pictures: Sequence[Picture], number: int, column: int) -> Response:
+    """Return one column of a contact sheet.
+
+    Raises:
+        ResultMissing: if there is no such picture, or it has no such column.
+    """
+    sheet = find_contact_sheet(pictures[number].title) if 0 <= number < len(pictures) else None
+    if sheet is None or not 0 <= column < len(sheet.heads):
+        raise ResultMissing("the report has no such picture.")
+    return Response(cut_column(pictures[number].content, column, len(sheet.heads)), media_type="image/png")
 
 
 @router.get("/results/{job}/view.bin")

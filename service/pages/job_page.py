@@ -10,23 +10,22 @@ from ..refining import is_preview
 from ..results import list_files, report_jobs
 from ..states import UNSUCCESSFUL, State
 from ..submission import PERSON_KIND
+from .checks_card import draw_checks
 from .control_words import speak_of_controls
+from .facts_card import draw_facts
 from .markup import Html, html, join
 from .page_route import make_router
 from .session import VisitorOf
 from .shell import Visitor, draw_shell
 from .words import (
-    describe_understood,
-    describe_worn,
     draw_family,
-    draw_gates,
     draw_redrape,
     draw_state,
     draw_time,
     draw_verdict,
     is_ended,
-    list_offered,
 )
+from .worn_card import draw_worn
 
 router = make_router()
 
@@ -44,10 +43,10 @@ def show_job(job: str, rooms: AppStateDependency, visitor: VisitorOf) -> Respons
         [
             html("<h1>{}</h1>", report.name),
             _draw_progress(report, visitor, has_files),
-            _draw_worn(report, visitor.may_submit),
-            _draw_understood(report),
+            draw_worn(report, visitor.may_submit),
+            draw_facts(report),
             draw_family(report),
-            _draw_checks(report),
+            draw_checks(report.gates),
             html('<details class="card"{}><summary>Events</summary><ol id="events"></ol></details>',
                  Html("" if is_ended(report) else " open")),
         ]
@@ -86,38 +85,6 @@ def _draw_progress(job: JobReport, visitor: Visitor, has_files: bool) -> Html:
         warnings=join(html('<p class="doubt">{}</p>', speak_of_controls(text)) for text in job.warnings),
     )  # fmt: skip
 
-
-def _draw_worn(job: JobReport, may_change: bool) -> Html:
-    """Draw what a person was found to wear, why, and a button for each other likely reading of the outfit."""
-    outfits = job.details.get("outfits") if job.kind == PERSON_KIND else None
-    if not outfits:
-        return Html()
-    first, *others = list_offered(outfits)
-    rows = join(
-        html("<tr><th scope=row>{}</th><td>{}</td></tr>", name, text)
-        for name, text in describe_worn(job.details.get("garments") or [])
-    )
-    button = '<button type="button" data-wearing="{}">Take it for {} ({})</button>'
-    buttons = join((html(button, one.wearing, one.words, one.percent) for one in others), " ")
-    return html(WORN, words=first.words, share=first.percent, rows=rows, buttons=buttons if may_change else Html())
-
-
-def _draw_understood(job: JobReport) -> Html:
-    understood = describe_understood(job.details)
-    if not understood:
-        return html('<section class="card" id="understood" hidden></section>')
-    rows = join(html("<tr><th scope=row>{}</th><td>{}</td></tr>", name, text) for name, text in understood)
-    return html('<section class="card" id="understood"><h2>Detected in the files</h2><div class="wide">'
-                "<table>{}</table></div></section>", rows)  # fmt: skip
-
-
-def _draw_checks(job: JobReport) -> Html:
-    return html('<section class="card"><h2>Checks</h2>{}</section>', draw_gates(job.gates)) if job.gates else Html()
-
-
-WORN = """<section class="card" id="worn"><h2>Worn</h2>
-<p>{words} <span class="soft">({share})</span></p><div class="wide"><table>{rows}</table></div>
-<p class="row">{buttons}</p><div id="worn-problem"></div></section>"""
 
 PROGRESS = """<section class="card" id="job" data-job="{job}" data-ended="{ended}">
 <p class="row"><span id="state">{state}</span>{verdict}<span class="soft">{kind}, created {created}</span>{tags}</p>

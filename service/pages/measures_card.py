@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ..records import JobReport
+from .help_note import draw_heading
 from .markup import Html, html, join
 
 CENTIMETRES_PER_MM = 0.1
@@ -16,24 +17,18 @@ def draw_measures(job: JobReport, is_shared: bool = False) -> Html:
 
     Args:
         job: The job.
-        is_shared: Leave out those of the wearer, which are personal data, and what only who works with it can do.
+        is_shared: Leave out those of the wearer, which are personal data.
     """
     from ...core.body.measure_names import HOW_MEASURED
     from ...core.garment.pieces.finished_points import HOW_TAKEN
 
-    tables = [
-        _table("Finished garment", job, "finished.", {str(point): how for point, how in HOW_TAKEN.items()}),
-        _table("Wearer", job, "wearer.", HOW_MEASURED),
-    ]
-    if is_shared:
-        return html('<section class="card"><h2>Measures</h2>{}</section>', tables[0]) if tables[0] else Html()
-    if not any(tables):
+    finished = _table("Finished garment", job, "finished.", {str(point): how for point, how in HOW_TAKEN.items()})
+    wearer = Html() if is_shared else _table("Wearer", job, "wearer.", HOW_MEASURED)
+    if not (finished or wearer):
         return Html()
-    return html(
-        '<section class="card" id="measures"><h2>Measures</h2><div class="pair">{}</div><p class="soft">'
-        "<code>garmentq measure {} --out FOLDER</code> draws where they are taken.</p></section>",
-        join(tables), job.id,
-    )  # fmt: skip
+    if finished and wearer:
+        wearer = html("<details><summary>Measures of the wearer</summary>{}</details>", wearer)
+    return html(CARD, heading=draw_heading("Measures", ABOUT), tables=join([finished, wearer]))
 
 
 def _table(title: str, job: JobReport, before: str, how: Mapping[str, str]) -> Html:
@@ -52,3 +47,11 @@ def _table(title: str, job: JobReport, before: str, how: Mapping[str, str]) -> H
         '<div class="wide" tabindex="0" role="region" aria-label="{}"><h3>{}</h3><table>{}</table></div>',
         title, title, join(rows),
     )  # fmt: skip
+
+
+ABOUT = (
+    "The finished garment is measured on the flat pattern, without seam allowance; the wearer on the body. The "
+    "difference of two girths is the ease."
+)
+
+CARD = """<section class="card" id="measures">{heading}{tables}</section>"""

@@ -1,4 +1,4 @@
-"""`/results/ID`: a job's result in 3D beside its pattern; without WebGL its pictures."""
+"""`/results/ID`: a person with its garments, a garment in 3D beside its pattern, or the files of an export."""
 
 from __future__ import annotations
 
@@ -9,39 +9,34 @@ from fastapi import Response
 from sqlalchemy import select
 
 from ..api.access import AppState, AppStateDependency, find_own
-from ..jobs import JobUnknown
-from ..kinds.recover_request import PERSON
-from ..models import JobInputRow, JobRow, OwnerRow
+from ..kinds.redrape_request import REDRAPE
+from ..models import JobRow
 from ..records import Artifact, JobReport
 from ..refining import is_preview
 from ..results import ResultMissing, list_files, report_jobs
-from ..share_records import DEFAULT_SHARE_DAYS, SHARE_DAYS
 from ..states import State
+from ..submission import PERSON_KIND
+from .checks_card import draw_checks
+from .exports_card import EXPORT_KIND, describe_size, draw_exports, draw_made, title_format
 from .fabric_words import draw_fabric
+from .facts_card import draw_facts
+from .garment_words import describe_template, title_garment
+from .garments_card import RECOVER_KIND, draw_garments
+from .help_note import draw_heading
+from .lineage import find_origin, find_person
 from .markup import Html, html, join
 from .measures_card import draw_measures
 from .page_route import make_router
+from .pictures_card import draw_pictures
+from .result_views import Addresses, draw_views, has_cloth, has_view
 from .session import VisitorOf
+from .shares_card import draw_shares
 from .shell import Visitor, draw_shell
-from .shown_meshes import BODY, SCANS, WORN, WORN_TOGETHER, is_companion_mesh, list_shown
 from .stored_files import REPORT, find_file, list_pictures, read_json
-from .words import draw_family, draw_gates, draw_redrape, draw_verdict
+from .words import draw_redrape, draw_verdict
+from .worn_card import draw_worn
 
 router = make_router()
-
-STYLES = {
-    "cloth": "Cloth",
-    "texture": "Texture",
-    "normals": "Fold normals",
-    "distance": "Distance from the scan",
-    "inferred": "Inferred, not scanned",
-    "strain": "Stretch",
-    "pressure": "Pressure",
-}
-"""Colourings of the cloth."""
-
-EXPORTABLE = ("recover", "dress", "refit", "drape", "edit")
-"""Kinds of jobs whose results have a pattern to export; the service refuses others."""
 
 
 @router.get("/results/{job}")
@@ -53,22 +48,55 @@ def show_result(job: str, rooms: AppStateDependency, visitor: VisitorOf) -> Resp
     if not files:
         raise ResultMissing(f"job {row.id} has no result yet: it is {row.state}.")
     names = {file.name for file in files}
-    content = join(
-        [
-            _draw_head(report, names, visitor),
-            _draw_views(rooms, report, names, _find_person(rooms, report, visitor)),
-            draw_family(report),
-            _draw_known(rooms, report),
-            draw_measures(report),
-            _draw_files(rooms, report, files, visitor),
-            _draw_shares(report, visitor),
-        ]
-    )
-    data = f"/results/{report.id}/view.bin" if _has_view(names) else ""
-    return draw_shell(report.name, content, visitor, ["result.js"], data=data)
+    person = find_person(rooms, report, visitor)
+    title, head = _draw_head(report, row, names, visitor, person)
+    if report.kind == EXPORT_KIND:
+        content = [head, draw_made(report, files, find_origin(rooms, report, visitor)), draw_measures(report)]
+        return draw_shell(title, join(content), visitor)
+    views = _draw_views(rooms, report, names, person)
+    if report.kind == PERSON_KIND:
+        garments = _list_children(rooms, report, RECOVER_KIND)
+        known = [draw_worn(report, may_change=False), draw_facts(report)]
+        content = [head, draw_garments(garments), views, *known, draw_checks(report.gates, report.warnings)]
+    else:
+        content = [head, views, _draw_known(rooms, report, visitor)]
+    content += [_draw_files(report, files), draw_shares(report, visitor)]
+    data = f"/results/{report.id}/view.bin" if has_view(names) else ""
+    return draw_shell(title, join(content), visitor, ["result.js"], data=data)
 
 
-def _draw_head(job: JobReport, names: set[str], visitor: Visitor) -> Html:
+def _list_children(rooms: AppState, job: JobReport, kind: str) -> list[JobReport]:
+    """Return the jobs of a kind that a job made."""
+    ids = [child.job for child in job.children if child.kind == kind]
+    with rooms.database.read() as session:
+        rows = session.scalars(select(JobRow).where(JobRow.id.in_(ids)).order_by(JobRow.created, JobRow.id)).all()
+    return report_jobs(rooms.database, rows, rooms.settings)
+
+
+def _draw_head(
+    job: JobReport, row: JobRow, names: set[str], visitor: Visitor, person: JobRow | None
+) -> tuple[str, Html]:
+    """Return title and head of the page: `T-shirt · Anna Bluse`, with a link to the person, and what can be done."""
+    own = title_garment(job.garment) if job.garment else job.name
+    if job.kind == EXPORT_KIND:
+        own = title_format(row.request.get("format", ""))
+    beside = job.name if job.garment and person is None else ""
+    link = html(' · <a href="/results/{}">{}</a>', person.id, person.name) if person else Html()
+    head = html(
+        HEAD, title=f"{own} · {beside}" if beside else own, link=link, verdict=draw_verdict(job.verdict),
+        redrape=draw_redrape(job), what=_describe(job), links=join(_list_links(job, names, visitor), " "),
+    )  # fmt: skip
+    return " · ".join(one for one in (own, person.name if person else beside) if one), head
+
+
+def _describe(job: JobReport) -> str:
+    template = f"base pattern {describe_template(job.template)}" if job.template else ""
+    fabric = f"fabric {job.fabric.replace('_', ' ')}" if job.fabric else ""
+    return ", ".join(one for one in (template, fabric) if one)
+
+
+def _list_links(job: JobReport, names: set[str], visitor: Visitor) -> list[Html]:
+    """Return the buttons of the head."""
     links = [html('<a class="button" href="/jobs/{}">Job</a>', job.id)]
     if REPORT in names:
         links.append(html('<a class="button" href="/results/{}/report">Report</a>', job.id))
@@ -81,169 +109,74 @@ def _draw_head(job: JobReport, names: set[str], visitor: Visitor) -> Html:
     if job.state == State.SUCCEEDED and is_preview(job.kind, job.settings) and visitor.may_submit:
         links.append(html('<button type="button" id="refine">Refine</button>'))
     links.append(html('<a class="button" href="/v1/jobs/{}/result.zip" download>All files (.zip)</a>', job.id))
-    what = ", ".join(one for one in (job.garment, job.template, job.fabric) if one)
-    head = '<div class="head"><h1>{}</h1><p class="row">{}{}<span class="soft">{}</span></p><p class="row">{}</p></div>'
-    return html(head, job.name, draw_verdict(job.verdict), draw_redrape(job), what, join(links, " "))
+    return links
 
 
-def _draw_shares(job: JobReport, visitor: Visitor) -> Html:
-    """Return the card that makes and revokes links to a result; empty if the visitor may not."""
-    if not visitor.may_submit or job.state != State.SUCCEEDED:
-        return Html()
-    days = join(
-        html('<option value="{}"{}>{}</option>', one, Html(" selected" if one == DEFAULT_SHARE_DAYS else ""),
-             f"{one} day{'s' if one > 1 else ''}") for one in SHARE_DAYS
-    )  # fmt: skip
-    return html(SHARES, days=days)
+def _draw_views(rooms: AppState, job: JobReport, names: set[str], person: JobRow | None) -> Html:
+    base = f"/results/{job.id}"
+    pictures = draw_pictures(base, list_pictures(rooms, job.id), has_cloth(names))
+    scanned = person.id if person and job.kind == RECOVER_KIND and find_file(rooms, person.id, "scan.ply") else ""
+    return draw_views(job, names, Addresses(base, job.id, scanned), pictures)
 
 
-def _has_view(names: set[str]) -> bool:
-    """Return whether `view.bin` has any content."""
-    return bool(set(list_shown(names)) - set(SCANS)) or WORN in names
-
-
-def _find_person(rooms: AppState, job: JobReport, visitor: Visitor) -> str:
-    """Return the job of the garment's person if the visitor may see its scan; else an empty text."""
-    try:
-        row = find_own(rooms, visitor.caller, job.inputs.get(PERSON, ""))
-    except JobUnknown:
-        return ""
-    return row.id if find_file(rooms, row.id, "scan.ply") else ""
-
-
-def _draw_views(rooms: AppState, job: JobReport, names: set[str], person: str) -> Html:
-    there = list_shown(names)
-    cloth = [name for name in there if not is_companion_mesh(name)]
-    titles = there | ({PERSON_SCAN: "The person's scan"} if person else {})
-    shown = {*cloth[:1], *WORN_TOGETHER, *_find_wearer(cloth)} if cloth else {"scan"} if "scan" in there else {BODY}
-    boxes = join(
-        html('<label><input type="checkbox" data-mesh="{}"{}{}> {}</label>', name,
-             Html("" if name in cloth else " data-beside"), Html(" checked" if name in shown else ""), title)
-        for name, title in titles.items()
-    )  # fmt: skip
-    styles = join(html('<option value="{}">{}</option>', name, title) for name, title in STYLES.items())
-    pictures = join(
-        html('<figure><img src="/results/{}/pictures/{}" alt="{}" loading="lazy"><figcaption>{}</figcaption></figure>',
-             job.id, number, one.title, one.title) for number, one in enumerate(list_pictures(rooms, job.id))
-    )  # fmt: skip
-    return html(
-        VIEWS, job=job.id, person=person, files=" ".join(sorted(names & VIEW_FILES)), boxes=boxes, styles=styles,
-        pictures=pictures, uncoloured=_explain_missing_colours(job),
-        packed=Html(" data-packed") if _has_view(names) else Html(),
-        cloth=Html() if cloth else Html(" hidden"),
-        flat=Html() if WORN in names else Html(" hidden"),
-        player=Html() if "garment.pc2" in names else Html(" hidden"),
-        solid=Html() if there else Html(" hidden"), hidden=Html(" hidden" if cloth else ""),
-    )  # fmt: skip
-
-
-def _find_wearer(cloth: Sequence[str]) -> tuple[str, ...]:
-    """Return the possible names of the wearer of the first shown mesh: of one size, or the only one."""
-    return BODY, f"{BODY}_{cloth[0].partition('_')[2]}"
-
-
-PERSON_SCAN = "person"
-"""Name of the person's scan on the page."""
-
-
-def _explain_missing_colours(job: JobReport) -> str:
-    """Return why a result has no colours."""
-    checked = job.details.get("checked") or {}
-    scan = checked.get("scan") if isinstance(checked, Mapping) else None
-    if isinstance(scan, Mapping) and scan.get("has_colours"):
-        return "No texture: the result was stored by a version without colours; submit its scan again."
-    return f"No texture: {'the scan has no colours' if job.kind == 'recover' else 'only a recovery has one'}."
-
-
-VIEW_FILES = {WORN, "garment.pc2", "body.pc2", "frames.json"}
-"""Files whose presence the page's script checks."""
-
-
-def _draw_known(rooms: AppState, job: JobReport) -> Html:
-    warnings = join(html('<p class="doubt">{}</p>', text) for text in job.warnings)
-    checks = html("<h2>Checks</h2>{}{}", warnings, draw_gates(job.gates))
-    if not job.garment:
-        return html('<section class="card">{}</section>', checks) if job.warnings or job.gates else Html()
+def _draw_known(rooms: AppState, job: JobReport, visitor: Visitor) -> Html:
+    """Return the cards of a garment; those without content are left out."""
     fabric = draw_fabric(job.fabric, read_json(rooms, job.id, "fit.json"))
-    both = '<div class="pair"><section class="card">{}</section><section class="card">{}</section></div>{}'
-    return html(both, fabric, checks, _draw_lines(read_json(rooms, job.id, "manifest.json")))
+    cards = [
+        draw_checks(job.gates, job.warnings),
+        draw_measures(job),
+        draw_exports(rooms, job, visitor),
+        html('<section class="card">{}</section>', fabric) if job.garment else Html(),
+        _draw_lines(read_json(rooms, job.id, "manifest.json")),
+        _draw_made_from(job),
+    ]
+    return html('<div class="cards">{}</div>', join(card for card in cards if card))
 
 
 def _draw_lines(manifest: Any) -> Html:
     """Return the section on how sure the pattern's lines are; nothing where the manifest has none."""
     from ...core.judge.line_intervals import describe_margins  # imports numpy: not at every start
 
-    lines = manifest.get("lines") if isinstance(manifest, dict) else None
+    lines = manifest.get("lines") if isinstance(manifest, Mapping) else None
     if not lines:
         return Html()
     rows = join(
         html('<tr><td>{}</td><td class="number">{}</td><td>{}</td></tr>', *describe_margins(one)) for one in lines
     )
-    head = html("<tr><th>Seam or edge</th><th>Length</th><th>Place on the cloth</th></tr>")
-    return html('<section class="card"><h2>How sure</h2><table>{}{}</table></section>', head, rows)
+    return html(LINES, heading=draw_heading("How sure", ABOUT_LINES), count=len(lines), rows=rows)
 
 
-def _draw_files(rooms: AppState, job: JobReport, files: Sequence[Artifact], visitor: Visitor) -> Html:
+def _draw_made_from(job: JobReport) -> Html:
+    """Return links to the jobs that this one made, except its re-drape; nothing if there are none."""
+    items = join(
+        html('<li><a href="/{}/{}">{}</a> <span class="soft">{} {}</span></li>',
+             "results" if child.state == State.SUCCEEDED else "jobs", child.job, child.name, child.kind, child.state)
+        for child in job.children if child.kind != REDRAPE
+    )  # fmt: skip
+    return html('<section class="card"><h2>Made of this</h2><ul>{}</ul></section>', items) if items else Html()
+
+
+def _draw_files(job: JobReport, files: Sequence[Artifact]) -> Html:
     rows = join(
         html('<tr><td><a href="/v1/jobs/{}/artifacts/{}" download>{}</a></td><td class="number">{}</td></tr>',
-             job.id, file.name, file.name, f"{file.size:,}".replace(",", " ")) for file in files
+             job.id, file.name, file.name, describe_size(file.size)) for file in files
     )  # fmt: skip
-    return html(FILES, rows=rows, exports=_draw_exports(rooms, job, visitor))
+    return html(FILES, rows=rows)
 
 
-def _draw_exports(rooms: AppState, job: JobReport, visitor: Visitor) -> Html:
-    if job.kind not in EXPORTABLE or job.state != State.SUCCEEDED:
-        return Html()
-    from ...core.deliver.formats.registry import DESCRIPTIONS  # imports scipy: not at every start
+HEAD = """<div class="head"><h1>{title}{link}</h1><p class="row">{verdict}{redrape}<span class="soft">{what}</span></p>
+<p class="row">{links}</p></div>"""
 
-    made = [
-        html('<li><a href="/results/{}">{}</a> <span class="soft">{}</span></li>', one.id,
-             one.request.get("format", "export"), one.state)
-        for one in _find_exports(rooms, job.id, visitor)
-    ]  # fmt: skip
-    buttons = join(
-        html('<button type="button" data-export="{}" title="{}">{}</button>', name, title, name.upper())
-        for name, title in DESCRIPTIONS.items()
-    )
-    offered = html('<p class="row">{}</p><div id="exported" role="status"></div>', buttons)
-    return html("<h2>Exports</h2>{}<ul>{}</ul>", offered if visitor.may_submit else Html(), join(made))
+ABOUT_LINES = (
+    "How far a length or a place may be from the true one: 9 of 10 lie within the interval. Where the scan does not "
+    "show a line, the base pattern says where it is."
+)
 
+LINES = """<section class="card" id="lines">{heading}<details><summary>{count} seams and edges</summary>
+<div class="wide" tabindex="0" role="region" aria-label="How sure"><table><tr><th scope="col">Seam or edge</th>
+<th scope="col" class="number">Length</th><th scope="col">Place on the cloth</th></tr>{rows}</table></div></details>
+</section>"""
 
-def _find_exports(rooms: AppState, job: str, visitor: Visitor) -> list[Any]:
-    """Return the exports of a result that the visitor sees, newest first."""
-    statement = select(JobRow).join(JobInputRow, JobInputRow.job == JobRow.id)
-    statement = statement.where(JobInputRow.input == job, JobRow.kind == "export")
-    if not visitor.caller.sees_all:
-        statement = statement.join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == visitor.caller.key)
-    with rooms.database.read() as session:
-        return list(session.scalars(statement.order_by(JobRow.created.desc(), JobRow.id).limit(20)))
-
-
-VIEWS = """<div id="result" data-job="{job}" data-person="{person}" data-files="{files}"{packed}>
-<div class="views"><section class="card view"{solid} aria-label="3D"><div class="row tools">
-<fieldset class="row"><legend>Shown</legend>{boxes}</fieldset>
-<label{cloth}>Colour <select id="style">{styles}</select></label>
-<label><input type="checkbox" id="wireframe"> Wireframe</label>
-<button type="button" id="whole">Whole</button></div>
-<div id="space"></div><p class="row"><span id="colours" hidden><canvas id="bar" width="200" height="12"
- role="img" aria-label="Colours from none to the largest value"></canvas> <span id="end"></span></span>
-<span id="loading" class="soft" role="status">Loading…</span>
-<span id="unseen" class="soft" hidden>The scan's colours; grey where the scan has none.</span>
-<span id="uncoloured" class="soft" hidden>{uncoloured}</span></p>
-<p class="row" id="player"{player}><button type="button" id="play" aria-pressed="false">Play</button>
-<input type="range" id="frame" min="0" max="0" value="0" aria-label="Frame"><output id="time"></output></p></section>
-<section class="card view"{flat} aria-label="Pattern"><div class="row tools">
-<span class="soft" id="pointed" role="status">Point at a panel or an edge.</span></div><div id="flat"></div>
-<div id="measured" role="status"></div></section></div>
-<div id="problem"></div>
-<section class="card" id="pictures"{hidden}><h2>Pictures</h2><div class="pictures">{pictures}</div></section></div>"""
-
-SHARES = """<details class="card" id="shares"><summary>Share</summary>
-<p>A link shows the garment, its pattern, its measures and its PDF to whoever has it, but neither the body nor other
-jobs. It needs no key, and can be revoked.</p>
-<form class="row"><label>Valid for <select>{days}</select></label><button type="submit">Make a link</button></form>
-<p role="status"></p><div class="problem"></div><ul></ul></details>"""
-
-FILES = """<section class="card">{exports}<details><summary>Files</summary><div class="wide"><table><thead><tr>
-<th scope="col">File</th><th scope="col" class="number">Bytes</th></tr></thead><tbody>{rows}</tbody></table></div>
+FILES = """<section class="card"><details><summary>Files</summary><div class="wide"><table><thead><tr>
+<th scope="col">File</th><th scope="col" class="number">Size</th></tr></thead><tbody>{rows}</tbody></table></div>
 </details></section>"""

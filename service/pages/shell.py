@@ -110,6 +110,7 @@ TEMPLATE = """<!doctype html>
 <link rel="icon" href="/static/{edition}/icon.svg" type="image/svg+xml">
 <link rel="stylesheet" href="/static/{edition}/style.css">
 <link rel="stylesheet" href="/static/{edition}/gallery.css">
+<link rel="stylesheet" href="/static/{edition}/result.css">
 {scripts}
 </head>
 <body>

@@ -10,7 +10,7 @@ from typing import Any
 from ..gallery import GalleryJob
 from ..kinds.redrape_request import REDRAPE
 from ..outfit_readings import Reading, list_readings, name_category, name_end
-from ..records import Gate, JobReport, RedrapeState
+from ..records import JobReport, RedrapeState
 from ..states import ENDED, State
 from .control_words import speak_of_controls
 from .markup import Html, html, join
@@ -29,7 +29,7 @@ def draw_state(job: JobReport | GalleryJob) -> Html:
     return shown if job.place is None else html('{} <span class="soft">{}</span>', shown, describe_place(job))
 
 
-def describe_place(job: JobReport) -> str:
+def describe_place(job: JobReport | GalleryJob) -> str:
     """Return a queued job's place and when it should start, as text for users."""
     if job.expected_start is None:
         return f"place {job.place}"
@@ -59,15 +59,6 @@ def draw_time(seconds: float | None) -> Html:
     return html('<time datetime="{}">{}</time>', when.isoformat(timespec="seconds"), shown)
 
 
-def draw_gates(gates: Sequence[Gate]) -> Html:
-    """Return the checks of a result, as a table."""
-    if not gates:
-        return Html()
-    row = "<tr><th scope=row>{}</th><td>{}</td><td>{}</td></tr>"
-    rows = join(html(row, gate.name, draw_verdict(gate.verdict), speak_of_controls(gate.message)) for gate in gates)
-    return html('<div class="wide" tabindex="0" role="region" aria-label="Checks"><table>{}</table></div>', rows)
-
-
 def draw_family(job: JobReport) -> Html:
     """Return links to a job's parent, inputs and children; empty if it has none."""
     links: Sequence[Html] = [
@@ -87,11 +78,6 @@ def draw_family(job: JobReport) -> Html:
 def is_ended(job: JobReport) -> bool:
     """Return whether a job has ended."""
     return job.state in ENDED
-
-
-def describe_understood(details: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return the first stage's description of a job's files, as names and texts."""
-    return [(_name(key), text) for key, value in sorted(details.items()) if (text := _format_value(value))]
 
 
 MIN_READING_SHARE = 0.02
@@ -119,19 +105,3 @@ def describe_worn(garments: Sequence[Mapping[str, Any]]) -> list[tuple[str, str]
         what += f". Not recovered: {speak_of_controls(problem['message'])}" if problem else ""
         rows.append((garment["part"], what))
     return rows
-
-
-def _name(key: str) -> str:
-    return key.replace("_", " ")
-
-
-def _format_value(value: Any) -> str:
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, float):
-        return f"{value:.4g}"
-    if isinstance(value, Mapping):
-        return ", ".join(f"{_name(str(key))}: {text}" for key, one in value.items() if (text := _format_value(one)))
-    if isinstance(value, list | tuple):
-        return "; ".join(text for one in value[:20] if (text := _format_value(one)))
-    return "" if value is None else str(value)

@@ -157,10 +157,10 @@ def test_a_job_is_followed_live(page, site, held):
     page.goto(f"/jobs/{claimed.job}")
     report(site.services.database, claimed, Progress("check", 0.5, "reading"))
     page.get_by_text("check: reading").wait_for()
-    note_checked(site.services.database, claimed, {"as": "garment", "vertices": 1234})
+    note_checked(site.services.database, claimed, {"as": "garment", "scan": {"vertex_count": 1234, "face_count": 5}})
     report(site.services.database, claimed, Progress("drape", 0.25, "step 3", 0.6, 42.0))
     page.get_by_text("drape: step 3, about 42 s to go").wait_for()
-    page.get_by_text("vertices: 1234").wait_for()
+    page.get_by_text("1,234 points, 5 faces").wait_for()
     assert page.locator("#progress").evaluate("(bar) => bar.value") == 0.6
     fail(site.services.database, claimed, "scan.truncated", "The file is cut off; export it again.", True)
     page.get_by_role("alert").filter(has_text="cut off").wait_for()

@@ -1,9 +1,9 @@
 // The flat pattern as SVG, in mm: panels side by side, edges that can be pointed at, seams in pairs.
 import { draw } from './dom.js';
 
-/** Space between panels [mm], and the width of the sheet that they are laid out on: common cloth. */
+/** Space between panels [mm], and how many widths of a sheet are tried to fill the drawing's place. */
 const GAP = 40;
-const SHEET = 1500;
+const SHEETS = 40;
 
 /** How many colours the seams have in turn; the style has one for each. */
 const SEAMS = 8;
@@ -17,7 +17,7 @@ export class PatternView {
   /** @param {HTMLElement} place @param {import('./garment.js').Garment} garment */
   constructor(place, garment) {
     this.garment = garment;
-    this.offsets = layOut(garment);
+    this.offsets = layOut(garment, place.clientWidth || 1, place.clientHeight || 1);
     this.svg = draw('svg', { role: 'group', 'aria-label': 'Pattern: point at a panel to find it on the garment' });
     this.seamOf = new Map();
     garment.seams.forEach((pair, n) => pair.forEach((edge) => this.seamOf.set(edge, { n, pair })));
@@ -114,10 +114,11 @@ export class PatternView {
 }
 
 /**
- * Lay panels side by side in shelves, the highest first.
+ * Lay panels side by side in shelves, the highest first, so that they are drawn as large as their place allows.
+ * @param {import('./garment.js').Garment} garment @param {number} wide @param {number} high size of the place [px]
  * @returns {number[][]} what is added to x, and from what y is taken, of each panel [mm]
  */
-function layOut(garment) {
+function layOut(garment, wide, high) {
   const boxes = garment.panels.map(() => [Infinity, Infinity, -Infinity, -Infinity]);
   for (let vertex = 0; vertex < garment.panelOfUv.length; vertex += 1) {
     const box = boxes[garment.panelOfUv[vertex]], x = 1000 * garment.uv[2 * vertex], y = 1000 * garment.uv[2 * vertex + 1];
@@ -126,16 +127,26 @@ function layOut(garment) {
     box[2] = Math.max(box[2], x);
     box[3] = Math.max(box[3], y);
   }
+  const widths = boxes.map((box) => box[2] - box[0]), least = Math.max(...widths);
+  const most = widths.reduce((sum, width) => sum + width + GAP, 0);
+  const tried = Array.from({ length: SHEETS }, (_, n) => fillShelves(boxes, least + ((most - least) * n) / (SHEETS - 1)));
+  const scaleOf = ({ size }) => Math.min(wide / (size[0] + 2 * GAP), high / (size[1] + 2 * GAP));
+  return tried.reduce((best, one) => (scaleOf(one) > scaleOf(best) ? one : best)).offsets;
+}
+
+/** @param {number[][]} boxes of the panels @param {number} width of the sheet [mm] @returns {{offsets: number[][], size: number[]}} */
+function fillShelves(boxes, width) {
   const order = boxes.map((_, n) => n).sort((a, b) => boxes[b][3] - boxes[b][1] - (boxes[a][3] - boxes[a][1]) || a - b);
-  const width = Math.max(SHEET, ...boxes.map((box) => box[2] - box[0]));
-  const offsets = [];
+  const offsets = [], size = [0, 0];
   let x = 0, y = 0, high = 0;
   for (const n of order) {
     const [left, bottom, right, top] = boxes[n];
     if (x > 0 && x + right - left > width) [x, y, high] = [0, y + high + GAP, 0];
     offsets[n] = [x - left, y + top];
+    size[0] = Math.max(size[0], x + right - left);
     x += right - left + GAP;
     high = Math.max(high, top - bottom);
+    size[1] = Math.max(size[1], y + high);
   }
-  return offsets;
+  return { offsets, size };
 }

@@ -17,6 +17,8 @@ const UNITS = { distance: (value) => `${(1000 * value).toFixed(1)} mm`, inferred
 
 const place = find('#result');
 const job = place.getAttribute('data-job');
+/** Address below which meshes and pattern are sent. */
+const base = place.getAttribute('data-base');
 const files = new Set(place.getAttribute('data-files').split(' '));
 const boxes = [...document.querySelectorAll('input[data-mesh]')];
 /** Names of what is no cloth of this pattern: wearers, scans, a garment below. */
@@ -31,7 +33,7 @@ const BESIDE = new Set(boxes.filter((box) => 'beside' in box.dataset).map((box) 
 const load = (name) => getBytes(`/v1/jobs/${job}/artifacts/${name}`);
 
 /** Where each scan lies, which is asked for when it is to be shown. */
-const SCANS = { scan: `/results/${job}/scan.bin`, person: `/results/${place.getAttribute('data-person')}/scan.bin` };
+const SCANS = { scan: `${base}/scan.bin`, person: `/results/${place.getAttribute('data-person')}/scan.bin` };
 
 /** @returns {string|null} the cloth that is pointed at and measured: the first that is shown */
 function shownCloth() {
@@ -47,10 +49,16 @@ async function showMesh(name) {
   viewer.add(name, mesh.positions, mesh.faces, { colour: COLOURS[name.split('_')[0]], isCloth, colours: isCloth ? null : mesh.colours });
 }
 
+/** What the page may lack, such as pictures, exports or the 3D view. @param {string} selector @param {(element: any) => void} use */
+function ifThere(selector, use) {
+  const element = document.querySelector(selector);
+  if (element) use(element);
+}
+
 /** Show the stored pictures where there is no WebGL. */
 function showPictures() {
-  find('#pictures').hidden = false;
-  find('#space').closest('section').hidden = true;
+  ifThere('#pictures', (pictures) => { pictures.hidden = false; });
+  ifThere('#space', (space) => { space.closest('section').hidden = true; });
 }
 
 /** Make the 3D view; false where the browser has none. */
@@ -128,7 +136,32 @@ function startTools() {
   }
   find('#style').addEventListener('change', colourCloth);
   find('#wireframe').addEventListener('change', (event) => viewer.setWireframe(event.target.checked));
-  find('#whole').addEventListener('click', () => viewer.frame());
+  startCamera();
+}
+
+/** Angles of the sides, around the upright axis [rad]. */
+const SIDES = { front: 0, left: Math.PI / 2, back: Math.PI, right: -Math.PI / 2 };
+
+/** Listen to the sides and the turntable, which rests where the visitor wants no motion. */
+function startCamera() {
+  const turntable = find('#turntable'), still = matchMedia('(prefers-reduced-motion: reduce)');
+  const spin = (isOn) => {
+    turntable.setAttribute('aria-pressed', String(isOn));
+    viewer.spin(isOn);
+  };
+  const obey = () => {
+    turntable.hidden = still.matches;
+    if (still.matches) spin(false);
+  };
+  turntable.addEventListener('click', () => spin(!viewer.isSpinning));
+  still.addEventListener('change', obey);
+  obey();
+  for (const button of document.querySelectorAll('[data-side]')) {
+    button.addEventListener('click', () => {
+      spin(false);
+      viewer.frame(SIDES[button.dataset.side]);
+    });
+  }
 }
 
 /** Point from the pattern into space, and back. */
@@ -269,11 +302,11 @@ async function startPlayer() {
 function startExports() {
   for (const button of document.querySelectorAll('[data-export]')) {
     button.addEventListener('click', async () => {
-      const format = button.dataset.export, told = find('#exported');
+      const format = button.textContent, told = find('#exported');
       button.disabled = true;
       told.textContent = `${format}: queued…`;
       try {
-        const asked = await postJson('/v1/jobs', { kind: 'export', result: job, options: { format } });
+        const asked = await postJson('/v1/jobs', { kind: 'export', result: job, options: { format: button.dataset.export } });
         const state = await followJob(asked.job, (event) => { told.textContent = `${format}: ${event.kind}…`; });
         const { files: made } = await getJson(`/v1/jobs/${asked.job}/artifacts`);
         told.replaceChildren(make('p', {}, state === 'succeeded' ? `${format}: ` : `${format}: ${state}; `,
@@ -293,7 +326,7 @@ const drawn = () => new Promise((done) => { requestAnimationFrame(() => setTimeo
 /** Show what is checked, then the pattern; other meshes when they are asked for. */
 async function start() {
   startExports();
-  const asked = place.hasAttribute('data-packed') ? getBytes(`/results/${job}/view.bin`) : null;
+  const asked = place.hasAttribute('data-packed') ? getBytes(`${base}/view.bin`) : null;
   const isSolid = boxes.length > 0 && startViewer();
   if (!boxes.length) showPictures();
   const shown = asked && readShown(await asked);
@@ -316,13 +349,13 @@ async function start() {
     startTools();
     if (files.has('garment.pc2')) await startPlayer();
   }
-  find('#loading').textContent = '';
+  ifThere('#loading', (told) => { told.textContent = ''; });
   place.dataset.ready = '1';
 }
 
 offerRefinement(job);
 offerShares(job);
 start().catch((error) => {
-  find('#loading').textContent = '';
+  ifThere('#loading', (told) => { told.textContent = ''; });
   showError(find('#problem'), error);
 });
