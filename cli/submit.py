@@ -109,6 +109,7 @@ class _Outcome:
     file: Path
     submitted: SubmissionResult | None = None
     choice: str = ""
+    overrides: str = ""
     error: GarmentqError | None = None
 
 
@@ -122,7 +123,7 @@ def _submit_all(backend: Backend, pairs: Sequence[tuple[Path, OrderOptions]], te
     from ..service.headers import check_headers
     from .order import describe_choice, describe_overrides, make_order
 
-    orders: list[tuple[Path, Order, str]] = []
+    orders: list[tuple[Path, Order, str, str]] = []
     for file, chosen in pairs:
         try:
             order = make_order(backend, file, chosen)
@@ -130,14 +131,14 @@ def _submit_all(backend: Backend, pairs: Sequence[tuple[Path, OrderOptions]], te
             yield _Outcome(file, error=error)
             continue
         order = replace(order, terms=replace(order.terms, priority=terms.priority, queue=terms.queue))
-        orders.append((file, order, describe_choice(order) + describe_overrides(chosen)))
-    scans = list(dict.fromkeys(order.scan for _, order, _ in orders))
+        orders.append((file, order, describe_choice(order), describe_overrides(chosen)))
+    scans = list(dict.fromkeys(order.scan for _, order, *_ in orders))
     refused = check_headers(scans) if terms.is_checked and scans else {}
-    yield from (_Outcome(file, error=refused[order.scan]) for file, order, _ in orders if order.scan in refused)
+    yield from (_Outcome(file, error=refused[order.scan]) for file, order, *_ in orders if order.scan in refused)
 
-    def submit(file: Path, order: Order, choice: str) -> _Outcome:
+    def submit(file: Path, order: Order, choice: str, overrides: str) -> _Outcome:
         try:
-            return _Outcome(file, backend.submit(order, terms.is_checked), choice)
+            return _Outcome(file, backend.submit(order, terms.is_checked), choice, overrides)
         except GarmentqError as error:
             return _Outcome(file, error=error)
 
@@ -167,7 +168,7 @@ def _show(outcome: _Outcome, as_json: bool) -> None:
         shown: dict[str, object] = {"file": str(outcome.file), "job": None, "error": problem}
         if submitted is not None:
             shown |= {"job": submitted.job, "state": submitted.state, "is_new": submitted.is_new}
-            shown |= {"taken_as": outcome.choice, "understood": understood}
+            shown |= {"taken_as": outcome.choice + outcome.overrides, "understood": understood}
         print_json(shown)
         return
     if error is not None and exits.error_status(error) != exits.BAD_INPUT:
@@ -175,6 +176,7 @@ def _show(outcome: _Outcome, as_json: bool) -> None:
         return
     job = "-" if submitted is None else submitted.job
     what = f"{error.code}: {error.message}" if error is not None else describe_understood(understood) or outcome.choice
+    what += outcome.overrides
     click.echo(keep_printable(f"{job:12}  {outcome.file.name}  {what}"))
     for doubt in (understood or {}).get(DOUBTS, ()):
         print_note(f"{outcome.file.name}: {doubt}")

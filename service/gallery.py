@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from sqlalchemy import ColumnElement, case, func, select
@@ -12,6 +12,7 @@ from sqlalchemy.orm import Session
 from .database import Database, skip_damaged_rows
 from .jobs import IDS_AT_ONCE
 from .models import JobInputRow, JobRow, JobTagRow, OwnerRow
+from .places import Place, find_places
 from .states import OPEN, UNSUCCESSFUL, State
 
 GARMENT_KIND = "recover"
@@ -36,6 +37,8 @@ class GalleryJob:
         garment: Category of its garment, or None.
         created: When it was created [s since 1970].
         parent: The job that made it, or None.
+        place: Place of a queued job, 1 is next; None if it has none, or far behind.
+        expected_start: When a queued job should start [s since 1970]; None if unknown.
     """
 
     id: str
@@ -51,6 +54,8 @@ class GalleryJob:
     garment: str | None
     created: float
     parent: str | None
+    place: int | None = None
+    expected_start: float | None = None
 
     @property
     def is_open(self) -> bool:
@@ -62,7 +67,7 @@ COLUMNS = (
     JobRow.id, JobRow.name, JobRow.kind, JobRow.state, JobRow.stage, JobRow.progress, JobRow.overall, JobRow.verdict,
     JobRow.error_code, JobRow.error_message, JobRow.garment, JobRow.created, JobRow.parent,
 )  # fmt: skip
-"""Columns of `GalleryJob`, in its order: results and requests are not read."""
+"""Columns of `GalleryJob`, in its order, but for its place: results and requests are not read."""
 
 
 @dataclass(frozen=True)
@@ -136,8 +141,10 @@ def read_families(database: Database, roots: Sequence[str], owner: str | None = 
                     below.append(job)
                     level.append(job.id)
         tags = _read_tags(session, list(found))
+    places = find_places(database, [job.id for job in (*found.values(), *below) if job.state == State.QUEUED])
+    found = {root: _place(job, places) for root, job in found.items()}
     families: dict[str, list[GalleryJob]] = {root: [] for root in found}
-    for job in sorted(below, key=lambda one: (one.created, one.id)):
+    for job in sorted((_place(job, places) for job in below), key=lambda one: (one.created, one.id)):
         families[family_of[job.id]].append(job)
     return [_arrange(found[root], families[root], tags.get(root, ())) for root in roots if root in found]
 
@@ -161,6 +168,10 @@ def count_batch(database: Database, tag: str, owner: str | None = None) -> Batch
         for has_open, has_failed, number in session.execute(counted):
             counts["open" if has_open else "failed" if has_failed else "succeeded"] += number
     return BatchCount(**counts)
+
+
+def _place(job: GalleryJob, places: Mapping[str, Place]) -> GalleryJob:
+    return replace(job, **asdict(places[job.id])) if job.id in places else job
 
 
 def _arrange(root: GalleryJob, below: Sequence[GalleryJob], tags: Sequence[str]) -> GalleryFamily:

@@ -7,7 +7,7 @@ of the live workers with the times of earlier jobs of each kind. Jobs behind the
 from __future__ import annotations
 
 import heapq
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import zip_longest
 from statistics import fmean
@@ -21,7 +21,7 @@ from .database import Database
 from .fairness import find_front, is_in_queue, rank_payers
 from .models import JobRow
 from .reaper import list_workers
-from .states import State
+from .states import QUEUES, State
 
 MAX_PLACE = 500
 """Number of places that are counted in a queue: the time for them does not grow with the queue."""
@@ -38,16 +38,15 @@ class Place:
     expected_start: float | None
 
 
-def find_places(database: Database, rows: Sequence[JobRow]) -> dict[str, Place]:
-    """Return the places of the queued jobs among some, by id; paused jobs and those far behind have none."""
-    queues = {row.queue for row in rows if row.state == State.QUEUED}
-    if not queues:
+def find_places(database: Database, jobs: Collection[str]) -> dict[str, Place]:
+    """Return the places of some queued jobs by id; paused jobs and those far behind have none."""
+    if not jobs:
         return {}
     now, workers = read_clock(database), list_workers(database)
     found: dict[str, Place] = {}
     with database.read() as session:
         seconds = _average_times(session)
-        for queue in queues:
+        for queue in QUEUES:
             size = sum(worker.concurrency for worker in workers if queue in worker.queues.split(","))
             slots = _find_slots(session, queue, size, now, seconds)
             for number, (job, kind) in enumerate(_order(session, queue), 1):
@@ -55,7 +54,7 @@ def find_places(database: Database, rows: Sequence[JobRow]) -> dict[str, Place]:
                 found[job] = Place(number, start)
                 if start is not None:
                     heapq.heappush(slots, start + _expect(kind, seconds))
-    return {row.id: found[row.id] for row in rows if row.id in found}
+    return {job: found[job] for job in jobs if job in found}
 
 
 def _order(session: Session, queue: str) -> Iterator[tuple[str, str]]:

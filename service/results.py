@@ -151,7 +151,7 @@ def choose_files(job: str, files: Sequence[Artifact], names: Sequence[str]) -> l
 def report_jobs(database: Database, rows: Sequence[JobRow], settings: ServiceSettings) -> list[JobReport]:
     """Return jobs with their results, in the order of their rows; ten queries for each `JOBS_AT_ONCE`."""
     reports: list[JobReport] = []
-    places = find_places(database, rows)
+    places = find_places(database, [row.id for row in rows if row.state == State.QUEUED])
     with database.read() as session:
         for start in range(0, len(rows), JOBS_AT_ONCE):
             chunk = rows[start : start + JOBS_AT_ONCE]

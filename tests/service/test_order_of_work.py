@@ -192,8 +192,7 @@ def test_places_are_the_order_of_the_claims(database, queue_job, change):
     urgent, paused = queue_job("urgent", priority=3), queue_job("paused")
     edit = change(queue_job("edit"), lane=Lane.INTERACTIVE)
     change(paused, not_before=find_job(database, edit).created + 60.0)
-    rows = [find_job(database, job) for job in (*jobs, urgent, paused, edit)]
-    found = find_places(database, rows)
+    found = find_places(database, [*jobs, urgent, paused, edit])
     order = take_all(database, edit)
     assert [job for job, _ in sorted(found.items(), key=lambda one: one[1].place)] == order
     assert [found[job].place for job in order] == [1, 2, 3, 4, 5, 6] and paused not in found
@@ -208,6 +207,6 @@ def test_jobs_start_when_slots_come_free(database, queue_job, change):
     now = find_job(database, running).started
     change(done, state=State.SUCCEEDED, started=now - 100.0, finished=now)
     change(running, expected_end=now + 30.0)
-    found = find_places(database, [find_job(database, job) for job in jobs])
+    found = find_places(database, jobs)
     waits = [found[job].expected_start - now for job in jobs]
     assert waits == pytest.approx([0.0, 30.0, 100.0], abs=5.0)

@@ -61,7 +61,7 @@ def test_commands_name_a_quality_and_what_overrides_it(cli, database, tmp_path) 
     def submitted(*words: object) -> tuple[list[str], str]:
         done = cli("submit", *words, "--body", body)
         assert done.returncode == 0, done.stderr
-        return done.stdout.split(), done.stderr
+        return [line.split()[0] for line in done.stdout.splitlines()], done.stdout
 
     assert submitted(scan)[0] == submitted(scan, "--quality", "standard")[0]
     preview, told = submitted(scan, "--quality", "preview")
