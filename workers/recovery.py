@@ -43,7 +43,7 @@ from ..service.stores import open_store
 from ..service.understanding import change_kind, note_checked
 from .patience import persist, tolerate_outage, wait_for_store
 from .threads import limit_threads
-from .watch import JobTooLong, LeaseKeeper
+from .watch import JobInterrupted, JobTooLong, LeaseKeeper
 
 log = logging.getLogger(__name__)
 
@@ -127,6 +127,7 @@ def _work(services: Services, claim: Claim, watch: LeaseKeeper) -> str:
                 kind, request, work, _ = _begin(services, claim, watch, folder / "2")
             pace = learn_pace(database, claim.kind, claim.request, kind.stages)
             result = kind.run(request, work, make_hooks(database, store, claim, watch, pace))
+            watch.note_computed()
             if watch.reason in ("lost", "cancelled"):
                 watch.end()
                 return _stop(database, claim, watch.reason, settings.max_seconds)
@@ -137,7 +138,7 @@ def _work(services: Services, claim: Claim, watch: LeaseKeeper) -> str:
         if watch.reason:
             watch.end()
             return _stop(database, claim, watch.reason, settings.max_seconds)
-        if isinstance(error, Cancelled) and watch.must_stop():
+        if isinstance(error, Cancelled | JobInterrupted) and watch.must_stop():
             watch.end()
             persist(partial(give_way, database, claim), watch)
             return PREEMPTED_EVENT

@@ -30,6 +30,11 @@ CHECKPOINT_WAIT_SECONDS = 8.0
 has computed since the last one."""
 
 
+ITERATION_WAIT_SECONDS = 4.0
+"""Longest wait of a preempted job for the end of an iteration, after that for a checkpoint [s]; then it is interrupted:
+an iteration of the fit takes up to 20 s of CPU."""
+
+
 class JobInterrupted(BaseException):
     """The code of a job that must stop did not notice; no handler of errors is to catch it."""
 
@@ -94,6 +99,7 @@ class LeaseKeeper:
         self._is_interrupted = False
         self._preempted: float | None = None
         self._gives_way = False
+        self._is_computed = False
         self._thread = threading.Thread(target=self._run, name=f"watch-{claim.job}", daemon=True)
 
     def __enter__(self) -> LeaseKeeper:
@@ -118,6 +124,10 @@ class LeaseKeeper:
     def must_stop(self) -> bool:
         """Return whether the job must stop; `reason` says why, and is empty if the job is preempted."""
         return bool(self.reason) or self._gives_way
+
+    def note_computed(self) -> None:
+        """Let the job no longer give way: its result is being stored."""
+        self._is_computed = True
 
     def note_checkpoint(self) -> None:
         """Let a preempted job stop now, right after a checkpoint."""
@@ -149,8 +159,10 @@ class LeaseKeeper:
             self._preempted = None
         elif self._preempted is None:
             self._preempted = now
-        elif now - self._preempted > CHECKPOINT_WAIT_SECONDS:
+        elif now - self._preempted > CHECKPOINT_WAIT_SECONDS and not self._is_computed:
             self._gives_way = True
+            if self._handler is not None and now - self._preempted > CHECKPOINT_WAIT_SECONDS + ITERATION_WAIT_SECONDS:
+                signal.pthread_kill(self._job_thread, signal.SIGUSR2)
 
     def _judge(self, pulse: HeartbeatResult, seconds: float) -> str:
         if not pulse.is_owner:
@@ -181,6 +193,7 @@ class LeaseKeeper:
         """
         while frame is not None and not frame.f_code.co_filename.startswith(IMPORT_SYSTEM_FILE):
             frame = frame.f_back
-        if frame is None and not self._is_interrupted and not self._ended.is_set():
+        may = not self._ended.is_set() and bool(self.reason or not self._is_computed)
+        if frame is None and may and not self._is_interrupted:
             self._is_interrupted = True
             raise JobInterrupted(self.reason)

@@ -1,11 +1,11 @@
 """Kill a real recovery after its checkpoints, resume it, and compare it with one that was left alone (fault R16).
 
-    python tests/chaos/resume.py [--method deform|hybrid|inverse] [--vertices 500] [--every 1] [--builtin]
+    python tests/chaos/resume.py [--method deform|hybrid|inverse] [--vertices 500] [--every 1] [--builtin] [--preempt]
 
 Each attempt is a process that claims the job and runs the real pipeline on it; it ends itself by `kill -9` right after
 the first checkpoint that it kept (or the second, with `--every 2`), so the job goes on from each of them in turn. The
 scan is a flared tube around the built-in body's hips; the body is given as a mesh and registered, or with `--builtin`
-not.
+not. With `--preempt` no process is killed: the job is marked after that checkpoint, and gives way at the next.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
@@ -33,7 +34,9 @@ from garmentq.core.recover.settings import RecoverySettings
 from garmentq.core.run.hooks import Hooks
 from garmentq.service.database import Database, open_database
 from garmentq.service.jobs import find_job
+from garmentq.service.models import JobRow
 from garmentq.service.reaper import reap, release_lost_leases
+from garmentq.service.requeueing import PREEMPTED_EVENT
 from garmentq.service.results import export_files
 from garmentq.service.settings import ServiceSettings, read_settings
 from garmentq.service.store import Store
@@ -83,9 +86,22 @@ def recover_and_die(request: Request, hooks: Hooks) -> Recovery:
         if saved["all"] == int(os.environ["RESUME_EVERY"]):
             sys.stdout.write(f"{name}\n")
             sys.stdout.flush()
-            os.kill(os.getpid(), signal.SIGKILL)
+            if os.environ["RESUME_PREEMPTS"]:
+                mark_job()
+            else:
+                os.kill(os.getpid(), signal.SIGKILL)
 
     return recover(request, replace(hooks, save_checkpoint=save))
+
+
+def mark_job() -> None:
+    """Mark the job as one that is to give way, and wait until its worker has seen that."""
+    settings = read_settings()
+    database = Database(settings.database)
+    with database.write() as session:
+        session.get_one(JobRow, os.environ["RESUME_JOB"]).preempt = True
+    database.dispose()
+    time.sleep(3.0 * settings.poll_seconds)
 
 
 def write_arrays(recovery: Recovery, folder: Path) -> list[Path]:
@@ -112,23 +128,29 @@ def attempt() -> None:
     sys.stdout.write(f"{outcome}\n")
 
 
-def run_to_end(settings: ServiceSettings, database: Database, job: str, every: int) -> list[str]:
-    """Run attempts until one is not killed, and give the checkpoints after which the others were."""
+def run_to_end(settings: ServiceSettings, database: Database, job: str, every: int, preempts: bool) -> list[str]:
+    """Run attempts until one is not killed or preempted, and give the checkpoints after which the others were."""
     path = os.pathsep.join([str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")])
-    told = {"RESUME_EVERY": str(every), "RESUME_JOB": job, "PYTHONPATH": path}
+    told = {"RESUME_EVERY": str(every), "RESUME_JOB": job, "PYTHONPATH": path, "RESUME_PREEMPTS": "1" * preempts}
     command, killed = [sys.executable, "-c", "import resume; resume.attempt()"], []
     while True:
         environment = {**os.environ, **settings.as_environment(), **told}
         done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, text=True, check=False)
+        words = done.stdout.split()
+        if done.returncode == 0 and words[-1] == PREEMPTED_EVENT:
+            killed.append(words[0])
+            continue
         if done.returncode != -signal.SIGKILL:
             return killed
-        killed.append(done.stdout.split()[-1])
+        killed.append(words[-1])
         release_lost_leases(database, MARK, "signal 9 (SIGKILL)")
         assert reap(database, ATTEMPTS) == 1
 
 
-def compare(method: str, vertices: int, every: int, home: Path, is_registered: bool = True) -> dict[str, object]:
-    """Recover twice, once with kills, and give the largest differences."""
+def compare(
+    method: str, vertices: int, every: int, home: Path, is_registered: bool = True, preempts: bool = False
+) -> dict[str, object]:
+    """Recover twice, once with kills or preemptions, and give the largest differences."""
     settings = ServiceSettings(home=home, pipeline="resume:recover_and_die", writer="resume:write_arrays")
     database, store = open_database(settings), Store(settings.store_path)
     scan, mesh = write_files(home)
@@ -139,14 +161,15 @@ def compare(method: str, vertices: int, every: int, home: Path, is_registered: b
     for name, count in (("alone", 0), ("killed", every)):
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
         jobs.append(submit(database, store, Order(scan, wearer, settings=wanted, terms=JobTerms(force=True))).job)
-        killed = run_to_end(settings, database, jobs[-1], count)
+        killed = run_to_end(settings, database, jobs[-1], count, preempts)
         row, after = find_job(database, jobs[-1]), resource.getrusage(resource.RUSAGE_CHILDREN)
         assert row.state == "succeeded", f"{row.error_code}: {row.error_message}"
+        assert not preempts or (row.attempts, row.preemptions) == (1, len(killed))
         found[f"stages {name}"] = row.result["stage_seconds"]
         found[f"cpu seconds {name}"] = round(after.ru_utime - before.ru_utime, 1)
         [path] = export_files(database, store, jobs[-1], home / name)
         arrays.append(np.load(path))
-    found["killed after"] = dict(Counter(killed))
+    found["stopped after"] = dict(Counter(killed))
     for name in arrays[0].files:
         one, other = (np.asarray(each[name]) for each in arrays)
         found[f"difference of {name}"] = (
@@ -163,9 +186,10 @@ def main() -> int:
     parser.add_argument("--vertices", type=int, default=500)
     parser.add_argument("--every", type=int, default=1)
     parser.add_argument("--builtin", action="store_true", help="take the built-in body, which needs no registration")
+    parser.add_argument("--preempt", action="store_true", help="let the job give way instead of killing its process")
     given = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="gq-resume-") as folder:
-        found = compare(given.method, given.vertices, given.every, Path(folder), not given.builtin)
+        found = compare(given.method, given.vertices, given.every, Path(folder), not given.builtin, given.preempt)
     for name, value in found.items():
         sys.stdout.write(f"{name:28} {value}\n")
     differences = [value for name, value in found.items() if name.startswith("difference")]

@@ -21,6 +21,7 @@ from garmentq.service.reaper import record_heartbeat
 from garmentq.service.requeueing import give_way
 from garmentq.service.settings import ServiceSettings
 from garmentq.service.states import State
+from garmentq.workers import watch
 from garmentq.workers.recovery import run_job
 from garmentq_home import wait_for
 from sqlalchemy import select, text
@@ -210,3 +211,21 @@ def test_jobs_start_when_slots_come_free(database, queue_job, change):
     found = find_places(database, jobs)
     waits = [found[job].expected_start - now for job in jobs]
     assert waits == pytest.approx([0.0, 30.0, 100.0], abs=5.0)
+
+
+def test_an_iteration_that_takes_long_is_interrupted(settings, database, queue_job, change, monkeypatch):
+    """Broken where an edit waits until a long iteration of a batch ends, or the interruption ends the job."""
+    monkeypatch.setattr(watch, "CHECKPOINT_WAIT_SECONDS", 0.2)
+    monkeypatch.setattr(watch, "ITERATION_WAIT_SECONDS", 0.2)
+    job = queue_job("stuck")
+
+    def mark() -> None:
+        wait_for(lambda: find_job(database, job).stage == "scan")
+        change(job, preempt=True)
+
+    marker = Thread(target=mark)
+    marker.start()
+    outcome = run_job(replace(settings, poll_seconds=0.05), database, job, lambda: False)
+    marker.join()
+    row = find_job(database, job)
+    assert (outcome, row.state, row.attempts, row.preemptions) == ("preempted", "queued", 0, 1)
