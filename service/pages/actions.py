@@ -15,11 +15,13 @@ OUTCOME = """<div id="outcome" role="status"></div>"""
 """Place where the script writes what was answered."""
 
 
-def draw_action(name: str, method: str, url: str, question: str = "") -> Html:
-    """Return a button that sends a request; with a question only after it was confirmed."""
+def draw_action(name: str, method: str, url: str, question: str = "", after: str = "") -> Html:
+    """Return a button that sends a request, a question first if there is one; `after` is the page that follows."""
     question_attribute = html(' data-question="{}"', question) if question else Html()
     look = Html(' class="danger"') if method == "DELETE" else Html()
-    return html('<button type="button" data-send="{} {}"{}{}>{}</button>', method, url, question_attribute, look, name)
+    follows = html(' data-after="{}"', after) if after else Html()
+    button = '<button type="button" data-send="{} {}"{}{}{}>{}</button>'
+    return html(button, method, url, question_attribute, follows, look, name)
 
 
 def draw_frame() -> Html:

@@ -19,6 +19,7 @@ from . import (
     session,
     shared_page,
     static_files,
+    subjects_page,
     webhooks_page,
 )
 
@@ -34,6 +35,7 @@ for module in (
     edit_page,
     labels_page,
     shared_page,
+    subjects_page,
     fabrics_page,
     base_patterns_page,
     queue_page,

@@ -19,6 +19,7 @@ POLICY = (
 
 PLACES = (
     ("/", "Gallery"),
+    ("/subjects", "Subjects"),
     ("/queue", "Queue"),
     ("/match", "Match"),
     ("/fabrics", "Fabrics"),

@@ -90,7 +90,7 @@ def test_the_view_stays_in_the_address_with_the_filter(page, site):
     assert page.locator("tr.below a:not(.plain)").all_inner_texts() == ["Toggle: upper", "Toggle: lower"]
     page.get_by_role("button", name="Find").click()
     assert "view=list" in page.url
-    page.get_by_role("link", name="Gallery", exact=True).click()
+    page.get_by_role("group", name="View").get_by_role("link", name="Gallery").click()
     assert page.locator("li.family").count() == 1
 
 

@@ -16,7 +16,8 @@ async function send(button) {
   }
   const answer = await (await ask(path, { method })).json();
   if (method === 'DELETE') {
-    location.reload();
+    if (button.dataset.after) location.assign(button.dataset.after);
+    else location.reload();
     return;
   }
   const text = answer.error ? `Not accepted: ${answer.error}` : `Accepted with status ${answer.status}.`;
@@ -58,12 +59,28 @@ const FORMS = {
     const { token } = await postJson('/v1/keys', days ? { ...key, days: Number(days) } : key);
     showOnce(`The token of ${key.name}.`, token);
   },
+  subject: async (form) => {
+    const values = new FormData(form), fields = { name: values.get('name'), consent: values.get('consent'), note: values.get('note') };
+    if (values.get('keep_days')) fields.keep_days = Number(values.get('keep_days'));
+    for (const input of form.querySelectorAll('input[type=date]')) {
+      if (input.value) fields[input.name] = new Date(`${input.value}T00:00`).getTime() / 1000;
+    }
+    const id = form.dataset.subject;
+    const saved = await (id ? putJson(`/v1/subjects/${id}`, fields) : postJson('/v1/subjects', fields));
+    location.assign(`/subjects/${saved.subject}`);
+  },
   webhook: async (form) => {
     const values = new FormData(form);
     const { secret } = await postJson('/v1/webhooks', { url: values.get('url'), states: values.getAll('states') });
     showOnce('The secret that signs the messages.', secret);
   },
 };
+
+/** Show stored times as dates of this place. */
+for (const input of document.querySelectorAll('input[data-seconds]')) {
+  const seconds = Number(input.getAttribute('data-seconds')), when = new Date(1000 * seconds);
+  if (seconds) /** @type {any} */ (input).value = new Date(when.getTime() - 60_000 * when.getTimezoneOffset()).toISOString().slice(0, 10);
+}
 
 for (const [name, handle] of Object.entries(FORMS)) {
   const form = document.querySelector(`form[data-${name}]`);
