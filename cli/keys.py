@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 @click.group("keys")
 def command() -> None:
-    """Create, list and revoke API keys.
+    """Create, list, rotate and revoke API keys.
 
     \b
     Example:
@@ -89,6 +89,37 @@ def list_command(home: Path | None, as_json: bool) -> None:
             for k in found
         ],
     )
+
+
+@command.command("rotate")
+@click.argument("key")
+@click.option(
+    "--hours",
+    type=click.FloatRange(0, 168),
+    default=24.0,
+    show_default=True,
+    help="Time for which the token before stays.",
+)
+@home_option
+@json_option
+def rotate_command(key: str, hours: float, home: Path | None, as_json: bool) -> None:
+    """Give a key a new token, and print it; the one before stays valid for some hours.
+
+    \b
+    Example:
+      garmentq keys rotate 5f1d0c9b7a3e --hours 1
+    """
+    from .terminal import print_json, print_note, show_time
+
+    rotated, token = _open(home).rotate_key(key, hours)
+    if as_json:
+        print_json(rotated.as_json() | {"token": token})
+        return
+    print_note(
+        f"key {rotated.id} has a new token, which is not shown again; "
+        f"the one before ends {show_time(rotated.earlier_until)}"
+    )
+    click.echo(token)
 
 
 @command.command("revoke")

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @click.group("webhooks")
 def command() -> None:
-    """Create, list, delete and test webhooks, which receive messages when jobs end.
+    """Create, list, rotate, delete and test webhooks, which receive messages when jobs end.
 
     \b
     Example:
@@ -77,6 +77,37 @@ def list_command(home: Path | None, as_json: bool) -> None:
             for one in found
         ],
     )
+
+
+@command.command("rotate")
+@click.argument("webhook")
+@click.option(
+    "--hours",
+    type=click.FloatRange(0, 168),
+    default=24.0,
+    show_default=True,
+    help="Time for which the secret before stays.",
+)
+@home_option
+@json_option
+def rotate_command(webhook: str, hours: float, home: Path | None, as_json: bool) -> None:
+    """Give a webhook a new secret, and print it; the one before signs messages too, for some hours.
+
+    \b
+    Example:
+      garmentq webhooks rotate 5f1d0c9b7a3e
+    """
+    from .terminal import print_json, print_note, show_time
+
+    rotated, secret = _open(home).rotate_secret(webhook, hours)
+    if as_json:
+        print_json(rotated.as_json() | {"secret": secret})
+        return
+    print_note(
+        f"webhook {rotated.id} has a new secret, which is not shown again; "
+        f"the one before signs until {show_time(rotated.earlier_until)}"
+    )
+    click.echo(secret)
 
 
 @command.command("delete")

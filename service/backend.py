@@ -301,12 +301,29 @@ class Backend(Protocol):
             ShareUnknown: if there is none of that id.
         """
 
+    def rotate_key(self, key: str, hours: float = 24.0) -> tuple[Key, str]:
+        """Give an API key a new token, and return both; the token before stays valid for some hours.
+
+        Raises:
+            KeyUnknown: if there is none of that id.
+            KeyRevoked: if it was revoked.
+            GraceBad: if `hours` is out of range.
+        """
+
     def create_webhook(self, url: str, states: Sequence[State] = ()) -> tuple[Webhook, str]:
         """Create a webhook for all end states, or some; return it with its secret, which is returned only here.
 
         Raises:
             WebhookBad, AddressForbidden: if the address cannot be used.
             WebhooksFull: if the largest number of webhooks is reached.
+        """
+
+    def rotate_secret(self, webhook: str, hours: float = 24.0) -> tuple[Webhook, str]:
+        """Give a webhook a new secret, and return both; the one before signs its messages too, for some hours.
+
+        Raises:
+            WebhookUnknown: if there is none of that id.
+            GraceBad: if `hours` is out of range.
         """
 
     def list_webhooks(self) -> list[Webhook]:

@@ -33,6 +33,11 @@ DEFAULT_JOB_QUOTA = 100
 hours."""
 
 
+DEFAULT_GRACE_HOURS, MAX_GRACE_HOURS = 24.0, 168.0
+"""Usual and longest time for which a token or a secret stays valid beside its successor [h]: a day to write the new one
+to every place that has the old one, and a week at most, because the old one may have leaked."""
+
+
 class KeyMissing(GarmentqError):
     """The service needs a key; send `Authorization: Bearer TOKEN` (docs/reference/http.md), or set GARMENTQ_API_KEY."""
 
@@ -67,6 +72,18 @@ class KeyUnknown(NotFound):
     """There is no such key; `garmentq keys list` shows them."""
 
     code = "key.unknown"
+
+
+class KeyRevoked(BadInput):
+    """The key was revoked, so it has no new token; `garmentq keys create` makes another key."""
+
+    code = "key.revoked"
+
+
+class GraceBad(BadInput):
+    """A token or secret stays valid for 0 to 168 hours beside its successor; choose a number between."""
+
+    code = "key.grace_bad"
 
 
 class KeySpecBad(BadInput):
@@ -187,6 +204,45 @@ def revoke_key(database: Database, key: str) -> ApiKeyRow:
         return row
 
 
+def rotate_key(database: Database, key: str, hours: float = DEFAULT_GRACE_HOURS) -> tuple[ApiKeyRow, str]:
+    """Give a key a new token, and return both; the token before stays valid for some hours, one before that ends.
+
+    Args:
+        database: The keys' database.
+        key: Id of the key; its jobs, webhooks and uploads stay its own.
+        hours: How long the token before stays valid [h]; 0: it ends at once.
+
+    Raises:
+        KeyUnknown: if there is none of that id.
+        KeyRevoked: if it was revoked.
+        GraceBad: if `hours` is out of range.
+    """
+    check_grace(hours)
+    token = "gq_" + secrets.token_hex(TOKEN_BYTES)
+    with database.write() as session:
+        lock_key(session, key)
+        row = session.get(ApiKeyRow, key)
+        if row is None:
+            raise KeyUnknown()
+        if row.revoked is not None:
+            raise KeyRevoked()
+        row.earlier_hash, row.earlier_until = row.hash, clock() + 3600.0 * hours
+        row.hash = hash_token(token)
+        session.flush()
+        session.refresh(row)
+    return row, token
+
+
+def check_grace(hours: float) -> None:
+    """Check how long a token or secret stays valid beside its successor [h].
+
+    Raises:
+        GraceBad: if it is out of range.
+    """
+    if not 0.0 <= hours <= MAX_GRACE_HOURS:
+        raise GraceBad()
+
+
 def has_keys(database: Database) -> bool:
     """Return whether a key was ever created, revoked ones too: a service that had keys never becomes open again."""
     with database.read() as session:
@@ -210,7 +266,9 @@ def authenticate_token(database: Database, token: str | None, local_token: str =
         if has_keys(database):
             raise KeyBad("this service has keys; the token of its home is valid only without keys. Use a key.")
         return LOCAL_CALLER
-    return _authenticate(database, ApiKeyRow.hash == hash_token(token))
+    stored = hash_token(token)
+    is_earlier = (ApiKeyRow.earlier_hash == stored) & (ApiKeyRow.earlier_until > clock())
+    return _authenticate(database, (ApiKeyRow.hash == stored) | is_earlier)
 
 
 def authenticate_key(database: Database, key: str) -> Caller:

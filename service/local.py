@@ -262,9 +262,18 @@ class LocalBackend:
         """Revoke a link to a job's result."""
         shares.revoke_share(self._database, jobs.find_job(self._database, job).id, share)
 
+    def rotate_key(self, key: str, hours: float = keys.DEFAULT_GRACE_HOURS) -> tuple[Key, str]:
+        """Give an API key a new token, and return both; the token before stays valid for some hours."""
+        row, token = keys.rotate_key(self._database, key, hours)
+        return Key.from_row(row), token
+
     def create_webhook(self, url: str, states: Sequence[State] = ()) -> tuple[Webhook, str]:
         """Create a webhook and return it with its secret, which is returned only here."""
         return webhooks.create_webhook(self._database, url, states, self.settings.webhook_networks)
+
+    def rotate_secret(self, webhook: str, hours: float = keys.DEFAULT_GRACE_HOURS) -> tuple[Webhook, str]:
+        """Give a webhook a new secret, and return both; the one before signs its messages too, for some hours."""
+        return webhooks.rotate_secret(self._database, webhook, hours)
 
     def list_webhooks(self) -> list[Webhook]:
         """Return the webhooks, oldest first."""

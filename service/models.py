@@ -327,7 +327,7 @@ class MetricRow(Base):
 
 
 class ApiKeyRow(Base):
-    """Store one API key by the hash of its token; the token itself is shown once and never stored."""
+    """Store one API key by the hash of its token; a token is shown once. `earlier_hash` is that of the one before."""
 
     __tablename__ = "api_keys"
     id: Mapped[str] = mapped_column(Words(16), primary_key=True)
@@ -340,6 +340,8 @@ class ApiKeyRow(Base):
     priority: Mapped[int] = mapped_column(default=0, server_default="0")
     expires: Mapped[float | None]
     used: Mapped[float | None]
+    earlier_hash: Mapped[str | None] = mapped_column(Words(64), index=True)
+    earlier_until: Mapped[float | None]
 
 
 class AuditRow(Base):

@@ -191,7 +191,8 @@ class News:
 class Key(JsonRecord):
     """Describe an API key, without its token: at most `quota` jobs open at a time, none of a higher `priority`.
 
-    Times in s since 1970; `used` has a resolution of `keys.USED_SECONDS`.
+    Times in s since 1970; `used` has a resolution of `keys.USED_SECONDS`. Until `earlier_until` the token before the
+    last rotation is valid too.
     """
 
     id: str = field(metadata={"alias": "key"})
@@ -203,11 +204,12 @@ class Key(JsonRecord):
     priority: int = 0
     expires: float | None = None
     used: float | None = None
+    earlier_until: float | None = None
 
     @classmethod
     def from_row(cls, row: ApiKeyRow) -> Self:
         """Read a row of the table of keys."""
-        life = (row.created, row.revoked, row.priority, row.expires, row.used)
+        life = (row.created, row.revoked, row.priority, row.expires, row.used, row.earlier_until)
         return cls(row.id, row.name, list(row.scopes), row.quota, *life)
 
 

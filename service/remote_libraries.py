@@ -103,9 +103,19 @@ class RemoteLibraries:
         """Revoke a link to a job's result."""
         self._ask("DELETE", f"/v1/jobs/{quote(job, safe='')}/shares/{quote(share, safe='')}")
 
+    def rotate_key(self, key: str, hours: float = 24.0) -> tuple[Key, str]:
+        """Give an API key a new token, and return both; the token before stays valid for some hours."""
+        found = self._ask("POST", f"/v1/keys/{quote(key, safe='')}/token", tries=1, params={"hours": hours})
+        return read(lambda: (Key.from_json(found), str(found["token"])))
+
     def create_webhook(self, url: str, states: Sequence[State] = ()) -> tuple[Webhook, str]:
         """Create a webhook and return it with its secret, which is returned only here."""
         found = self._ask("POST", "/v1/webhooks", tries=1, json={"url": url, "states": list(states)})
+        return read(lambda: (Webhook.from_json(found), str(found["secret"])))
+
+    def rotate_secret(self, webhook: str, hours: float = 24.0) -> tuple[Webhook, str]:
+        """Give a webhook a new secret, and return both; the one before signs its messages too, for some hours."""
+        found = self._ask("POST", f"/v1/webhooks/{quote(webhook, safe='')}/secret", tries=1, params={"hours": hours})
         return read(lambda: (Webhook.from_json(found), str(found["secret"])))
 
     def list_webhooks(self) -> list[Webhook]:

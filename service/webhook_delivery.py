@@ -72,13 +72,14 @@ async def _post(message: Message, networks: str, context: ssl.SSLContext) -> int
     port = url.port or PORTS[url.scheme]
     addresses = await resolve(url.hostname, port, url.scheme, read_networks(networks))
     body = json.dumps(message.body, separators=(",", ":"), allow_nan=False).encode()
+    valid = [one for one in (message.secret, message.earlier_secret) if one is not None]
     headers = {
         "host": url.netloc,
         "content-type": "application/json",
         "user-agent": f"garmentq/{__version__}",
         "webhook-id": message.id,
         "webhook-timestamp": str(at),
-        "webhook-signature": sign(message.secret, message.id, at, body),
+        "webhook-signature": " ".join(sign(one, message.id, at, body) for one in valid),
     }
     async with httpx.AsyncClient(
         verify=context, trust_env=False, follow_redirects=False, timeout=WEBHOOK_DELIVERY_TIMEOUT

@@ -15,7 +15,7 @@ class WebhookRow(Base):
     """Store a webhook of a key (empty: for all jobs) with the secret that signs its messages.
 
     One message at a time is sent to it, by the courier that claimed it until `taken_until`; `served` is the time of the
-    latest message, `status` and `error` its outcome.
+    latest message, `status` and `error` its outcome. Until `earlier_until` messages are signed by `earlier_secret` too.
     """
 
     __tablename__ = "webhooks"
@@ -29,6 +29,8 @@ class WebhookRow(Base):
     taken_until: Mapped[float] = mapped_column(default=0.0)
     status: Mapped[int | None]
     error: Mapped[str | None] = mapped_column(Words(255))
+    earlier_secret: Mapped[str | None] = mapped_column(Words(64))
+    earlier_until: Mapped[float | None]
 
 
 class DeliveryRow(Base):

@@ -26,6 +26,8 @@ class Webhook(JsonRecord):
         status: HTTP status of the latest response; None if there was none.
         error: Why the latest message was not accepted; None if it was.
         owed: Number of messages that are still to be sent.
+        earlier_until: Until when messages are also signed by the secret before the last rotation [s since 1970]; None
+            if it was never rotated.
     """
 
     id: JobId = field(metadata={"alias": "webhook"})
@@ -37,11 +39,12 @@ class Webhook(JsonRecord):
     status: int | None
     error: str | None
     owed: int
+    earlier_until: float | None = None
 
     @classmethod
     def from_row(cls, row: WebhookRow, unsent: int) -> Self:
         """Read a row of the table of webhooks."""
-        delivery = (row.served or None, row.status, row.error, unsent)
+        delivery = (row.served or None, row.status, row.error, unsent, row.earlier_until)
         return cls(row.id, row.key, row.url, [State(state) for state in row.states], row.created, *delivery)
 
 

@@ -19,7 +19,7 @@ from sqlalchemy.orm import Session
 from ..core.run.errors import BadInput, NotFound
 from .clocks import AHEAD_SECONDS
 from .database import Database, change_rows, clock, skip_damaged_rows
-from .keys import lock_key
+from .keys import DEFAULT_GRACE_HOURS, check_grace, lock_key
 from .models import ApiKeyRow, DeliveryRow, JobRow, OwnerRow, WebhookRow
 from .states import ENDED, State
 from .webhook_address import check_url
@@ -67,12 +67,14 @@ class Message:
         url: Its address.
         secret: Secret that signs it.
         body: Its content, as JSON values.
+        earlier_secret: Secret before the last rotation, which signs it too; None if it no longer does.
     """
 
     id: str
     url: str
     secret: str
     body: dict[str, Any]
+    earlier_secret: str | None = None
 
 
 def create_webhook(
@@ -92,7 +94,7 @@ def create_webhook(
         WebhooksFull: if the key has reached its number of webhooks.
     """
     check_url(url, networks)
-    secret = "whsec_" + base64.b64encode(secrets.token_bytes(SECRET_BYTES)).decode()
+    secret = _make_secret()
     state_names = [state.value for state in sorted(set(states) or ENDED)]
     row = WebhookRow(
         id=secrets.token_hex(6), key=key, url=url, secret=secret, states=state_names, created=clock(), served=0.0,
@@ -132,6 +134,34 @@ def delete_webhook(database: Database, webhook: str, key: str | None = None) -> 
         row = _find(session, webhook, key)
         session.delete(row)
         return Webhook.from_row(row, 0)
+
+
+def rotate_secret(
+    database: Database, webhook: str, hours: float = DEFAULT_GRACE_HOURS, key: str | None = None
+) -> tuple[Webhook, str]:
+    """Give a webhook a new secret, and return both; the one before signs its messages too, for some hours.
+
+    Args:
+        database: The webhook's database.
+        webhook: Its id.
+        hours: How long the secret before stays [h].
+        key: Key that must own it; None: any.
+
+    Raises:
+        WebhookUnknown: if there is none.
+        GraceBad: if `hours` is out of range.
+    """
+    check_grace(hours)
+    secret = _make_secret()
+    with database.write() as session:
+        row = _find(session, webhook, key)
+        row.earlier_secret, row.earlier_until = row.secret, clock() + 3600.0 * hours
+        row.secret = secret
+        session.flush()
+        session.refresh(row)
+        unsent = (DeliveryRow.webhook == row.id) & DeliveryRow.due.is_not(None)
+        owed = session.scalar(select(func.count()).select_from(DeliveryRow).where(unsent)) or 0
+        return Webhook.from_row(row, owed), secret
 
 
 def queue_trial(database: Database, webhook: str, key: str | None = None) -> str:
@@ -196,14 +226,15 @@ def has_due(database: Database) -> bool:
 @skip_damaged_rows
 def claim_due_messages(database: Database, most: int) -> list[Message]:
     """Claim some messages to send, one for each webhook, the webhook served longest ago first."""
-    hooks = select(WebhookRow).where(_is_waiting()).order_by(WebhookRow.served, WebhookRow.id)
+    hooks = select(WebhookRow, WebhookRow.earlier_until > clock()).where(_is_waiting())
+    hooks = hooks.order_by(WebhookRow.served, WebhookRow.id).limit(most)
     found = []
     with database.write() as session:
-        for hook in session.scalars(hooks.limit(most).with_for_update(skip_locked=True)).all():
+        for hook, has_two in session.execute(hooks.with_for_update(skip_locked=True)).all():
             messages = select(DeliveryRow).where(DeliveryRow.webhook == hook.id, _is_due())
             row = session.scalars(messages.order_by(DeliveryRow.due, DeliveryRow.created).limit(1)).one()
             hook.taken_until, hook.served = clock() + TAKEN_SECONDS, clock()
-            found.append(Message(row.id, hook.url, hook.secret, row.body))
+            found.append(Message(row.id, hook.url, hook.secret, row.body, hook.earlier_secret if has_two else None))
     return found
 
 
@@ -234,6 +265,10 @@ def forget_messages(database: Database) -> int:
     is_orphan = DeliveryRow.webhook.in_(select(WebhookRow.id).where(~_is_valid()))
     with database.write() as session:
         return change_rows(session, delete(DeliveryRow).where(over | is_orphan))
+
+
+def _make_secret() -> str:
+    return "whsec_" + base64.b64encode(secrets.token_bytes(SECRET_BYTES)).decode()
 
 
 def _is_due() -> ColumnElement[bool]:

@@ -42,6 +42,7 @@ STATUSES = {
     "key.limited_open": 429,
     "key.downloads_open": 429,
     "key.day_bytes": 429,
+    "key.revoked": 409,
     "key.day_files": 429,
     "job.kind_unknown": 422,
     "job.not_ended": 409,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import fields
 from typing import Annotated, Any, Literal, get_type_hints
 
+from fastapi import Query
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, JsonValue, StringConstraints, create_model
 from pydantic import Tag as Choice
 
@@ -12,6 +13,7 @@ from ...core.body.spec import BUILTIN
 from ...core.people.part import GARMENTS
 from ...core.recover.settings import LATER, METHODS, PRESETS, QUALITIES, REDRAPES, RecoverySettings, complete_by_quality
 from ...core.run.units import UNITS
+from ..keys import MAX_GRACE_HOURS
 from ..order import GIVEN_AS
 from ..share_records import DEFAULT_SHARE_DAYS, SHARE_DAYS
 from ..states import QUEUES
@@ -24,6 +26,9 @@ BodySource = Annotated[
 TemplateName = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_.-]{0,63}$")]
 FabricName = TemplateName
 Number = Annotated[float, Field(allow_inf_nan=False)]
+GraceHours = Annotated[
+    float, Query(ge=0, le=MAX_GRACE_HOURS, description="How long the one before stays valid [h]; 0: it ends at once.")
+]
 Tag = Annotated[str, StringConstraints(min_length=1, max_length=64, pattern=r"^[^\x00-\x1f\x7f]*$")]
 Name = Annotated[str, StringConstraints(min_length=1, max_length=255, pattern=r"^[^\x00-\x1f\x7f]+$")]
 SUBJECT = "Id or name of the person who was scanned; a new name creates a subject."

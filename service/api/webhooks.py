@@ -6,22 +6,22 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Path
 
-from ..keys import Caller
+from ..keys import DEFAULT_GRACE_HOURS, Caller
 from ..states import State
 from ..webhook_records import Receipt
 from ..webhook_trial import try_webhook
-from ..webhooks import create_webhook, delete_webhook, list_webhooks
+from ..webhooks import create_webhook, delete_webhook, list_webhooks, rotate_secret
 from .access import AppStateDependency, Reader, Submitter
 from .answers import NewWebhook, Webhook, Webhooks
 from .problems import show_answer, show_list
-from .schemas import WebhookIn
+from .schemas import GraceHours, WebhookIn
 
 router = APIRouter(prefix="/webhooks", tags=["webhooks"])
 
 EXAMPLE = {
     "webhook": "5f1d0c9b7a3e", "key": "0c9b7a3e5f1d", "url": "https://studio.example/garmentq",
     "states": ["succeeded", "failed"], "created": 1795250000.1, "served": 1795250900.5, "status": 204, "error": None,
-    "owed": 0,
+    "owed": 0, "earlier_until": None,
 }  # fmt: skip
 
 WebhookId = Annotated[str, Path(pattern="^[0-9A-Za-z]{1,16}$")]
@@ -57,6 +57,21 @@ def list_all(rooms: AppStateDependency, caller: Reader) -> Any:
 def delete(webhook: WebhookId, rooms: AppStateDependency, caller: Submitter) -> Any:
     """Delete a webhook and its unsent messages."""
     return delete_webhook(rooms.database, webhook, _find_realm(caller)).as_json()
+
+
+@router.post(
+    "/{webhook}/secret", name="rotate_secret", summary="Give a webhook a new secret.",
+    responses=show_answer(EXAMPLE | {"secret": "whsec_...", "earlier_until": 1795337200.0}, 200, NewWebhook),
+)  # fmt: skip
+def rotate(
+    webhook: WebhookId, rooms: AppStateDependency, caller: Submitter, hours: GraceHours = DEFAULT_GRACE_HOURS
+) -> Any:
+    """Give a webhook a new secret, which is only in this response.
+
+    For some hours messages have two signatures, of the new secret and of the one before.
+    """
+    one, secret = rotate_secret(rooms.database, webhook, hours, _find_realm(caller))
+    return one.as_json() | {"secret": secret}
 
 
 @router.post(

@@ -136,12 +136,14 @@ def ask_everything(service: Client, finished: str, folder: Path, settings) -> No
     with carrying(settings):
         error = service.test_webhook(hook.id).error
     assert error and [(one.id, one.error) for one in service.list_webhooks()] == [(hook.id, error)]
+    rotated, secret = service.rotate_secret(hook.id, 2.0)
+    assert rotated.id == hook.id and secret.startswith("whsec_")
     service.delete_webhook(hook.id)
     anna = service.create_subject(SubjectFields("Anna"))
     service.update_subject(anna.id, replace(anna.said, note="x")), service.assign_jobs(anna.id, [finished])
     assert [one.id for one in service.list_subjects()] == [service.find_subject("Anna").id] == [anna.id]
     service.delete_subject(anna.id, dry_run=True)
-    assert service.list_batches() == []
+    assert [one.tag for one in service.list_batches()] == ["march"]
     refused(service.find_batch, "nosuch")
     refused(service.find_person, "nobody"), refused(service.delete_person, "nobody", True)
     service.list_materials(), service.read_material("denim"), service.import_materials(folder / "fabric.json")
@@ -150,7 +152,8 @@ def ask_everything(service: Client, finished: str, folder: Path, settings) -> No
     key, token = service.create_key("mine", ["admin"], 10)
     with Client(service.url, token) as admin:
         admin._connection._http.event_hooks = service._connection._http.event_hooks
-        admin.list_keys(), admin.revoke_key(key.id)
+        admin.list_keys()
+        assert admin.rotate_key(key.id, 2.0)[0].id == admin.revoke_key(key.id).id
 
 
 def test_every_route_has_a_method(service, finished, settings, tmp_path):

@@ -130,6 +130,8 @@ def test_keys_are_made_over_there(remote, cli, settings, database):
     assert remote("status", GARMENTQ_API_KEY=made["token"]).returncode == 0
     refused = remote("keys", "list", GARMENTQ_API_KEY=made["token"])
     assert refused.returncode == 1 and refused.stderr.startswith("error key.scope_missing")
+    rotated = remote("keys", "rotate", made["key"], "--hours", "1", **as_admin)
+    assert rotated.returncode == 0 and rotated.stdout.startswith("gq_") and "token" in rotated.stderr
     assert remote("keys", "revoke", made["key"], **as_admin).returncode == 0
     assert "key.bad" in remote("status", GARMENTQ_API_KEY=made["token"]).stderr
 

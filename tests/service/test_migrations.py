@@ -22,9 +22,11 @@ from garmentq.service.database import (
     read_revision,
     upgrade,
 )
+from garmentq.service.keys import KeyBad, authenticate_token, create_key, rotate_key
 from garmentq.service.models import ApiKeyRow, Base, JobFileRow, JobRow, JobTagRow, MaterialRow, OwnerRow, ScanRow
 from garmentq.service.settings import ServiceSettingBad
 from garmentq.service.states import State
+from garmentq.service.webhooks import claim_due_messages, create_webhook, queue_trial
 from garmentq_home import drop_database, drop_tables, make_database, make_settings
 from sqlalchemy import MetaData, Table, create_engine, insert, inspect, select, text
 
@@ -256,6 +258,32 @@ def test_no_postgres_behind_an_address_is_one_clear_error():
     with pytest.raises(DatabaseUnreachable) as caught, opened.read() as session:
         session.execute(text("select 1"))
     assert "secret" not in caught.value.message
+
+
+def test_keys_and_webhooks_from_before_rotation(database):
+    """Broken where a token or a secret of before ends with the new columns, or with their removal."""
+    from alembic import command
+
+    config = Config()
+    config.set_main_option("script_location", str(Path(migrations.__file__).parent))
+    key, token = create_key(database, "studio", ("read",))
+    hook, secret = create_webhook(database, "https://studio.example/", [], "", key.id)
+    with database.write() as session:
+        config.attributes["connection"] = session.connection()
+        command.downgrade(config, "0019")
+        command.upgrade(config, "head")
+    assert authenticate_token(database, token).key == key.id
+    queue_trial(database, hook.id)
+    (message,) = claim_due_messages(database, 1)
+    assert (message.secret, message.earlier_secret) == (secret, None)
+    _, newer = rotate_key(database, key.id)
+    with database.write() as session:
+        config.attributes["connection"] = session.connection()
+        command.downgrade(config, "0019")
+        command.upgrade(config, "head")
+    assert authenticate_token(database, newer).key == key.id
+    with pytest.raises(KeyBad):
+        authenticate_token(database, token)
 
 
 def test_tags_from_before_batches_are_batches(database):

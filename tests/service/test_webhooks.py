@@ -39,6 +39,7 @@ from garmentq.service.webhooks import (
     has_due,
     list_webhooks,
     note_receipt,
+    rotate_secret,
 )
 from garmentq.workers.courier import deliver
 from garmentq_home import make_environment, wait_for
@@ -250,6 +251,18 @@ def test_a_message_arrives_signed(database, end_job):
     assert head["webhook-id"] == json.loads(body)["id"] and head["content-type"] == "application/json"
     (shown,) = list_webhooks(database)
     assert (shown.id, shown.status, shown.error, shown.owed) == (hook.id, 204, None, 0)
+
+
+def test_a_message_has_both_signatures_after_a_rotation(database, end_job):
+    """Broken where a receiver that has one of the two secrets refuses the message, or a third one is taken."""
+    with receiving() as server:
+        hook, first = create_webhook(database, server.url("/in"), (), NEAR)
+        _, second = rotate_secret(database, hook.id)
+        end_job()
+        assert asyncio.run(deliver(database, NEAR)) == 1
+        ((head, body),) = server.got
+    at = int(head["webhook-timestamp"])
+    assert head["webhook-signature"].split() == [sign(one, head["webhook-id"], at, body) for one in (second, first)]
 
 
 @sqlite_only
