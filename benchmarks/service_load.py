@@ -74,11 +74,13 @@ def serving(settings: ServiceSettings) -> Iterator[tuple[subprocess.Popen[bytes]
 
 @contextmanager
 def fresh_settings(kind: str) -> Iterator[ServiceSettings]:
-    """Return settings of an empty service, on a database of its own."""
+    """Return settings of an empty service, on a database of its own with tables."""
     postgres = PostgresServer() if kind == "postgresql" else None
     try:
         with tempfile.TemporaryDirectory() as folder:
-            yield ServiceSettings(home=Path(folder), database_url=postgres.url if postgres else "")
+            settings = ServiceSettings(home=Path(folder), database_url=postgres.url if postgres else "")
+            open_database(settings, is_upgraded=True).dispose()
+            yield settings
     finally:
         if postgres is not None:
             postgres.end()

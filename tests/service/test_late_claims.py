@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from garmentq.service.database import clock
-from garmentq.service.jobs import claim, fail, find_job, read_events, release, renew
+from garmentq.service.jobs import claim, fail, find_job, read_events, renew
 from garmentq.service.late_claims import MAX_RETURNED_ATTEMPTS, RETURNED_EVENT, return_attempt
 from garmentq.service.models import JobRow
 from garmentq.service.reaper import reap, release_lost_leases
+from garmentq.service.requeueing import release
 from sqlalchemy import update
 
 
