@@ -136,7 +136,7 @@ def test_what_the_scan_does_not_show_is_marked(tube_recovery, tmp_path: Path) ->
         [view.pictures["Distance, detail to scan"] for view in render_views(one)[0]] for one in (recovery, whole)
     )
     assert shown != without
-    assert "<td class=num>37</td>" in report_html(recovery)
+    assert re.search("<td [^>]*class=num>37</td>", report_html(recovery))
 
 
 def test_the_report_says_how_sure_each_line_is(tube_recovery) -> None:
@@ -146,7 +146,8 @@ def test_the_report_says_how_sure_each_line_is(tube_recovery) -> None:
     lines = [entry | {"place_margin_mm": 20.0}, entry | {"name": "<b>hem", "place_margin_mm": None}]
     report = replace(whole.report, manifest=whole.report.manifest | {"lines": lines})
     html = report_html(replace(whole, report=report))
-    assert "<td>armhole seam left</td><td class=num>45.2 cm +-1.1</td><td>place not visible, +-20 mm</td>" in html
+    cells = re.sub(' data-head="[^"]*"', "", html)
+    assert "<td>armhole seam left</td><td class=num>45.2 cm +-1.1</td><td>place not visible, +-20 mm</td>" in cells
     assert "&lt;b&gt;hem left" in html and "not scanned: the base pattern" in html
     assert "Seam or edge" not in report_html(replace(whole, report=replace(whole.report, manifest={})))
 
