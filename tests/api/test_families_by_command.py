@@ -37,7 +37,7 @@ def files(tmp_path):
 def family(cli, files, settings, database, store):
     """Return a job that succeeded, and the two jobs that it made; the second waits for the first."""
     done = cli("submit", files / "skirt.ply", "--body", files / "body.ply", "--name", NAME, "--tag", "spring")
-    root = done.stdout.strip()
+    root = done.stdout.split()[0]
     assert done.returncode == 0, done.stderr
     finish(settings, database, store, root, files / "made")
     request = find_job(database, root).request

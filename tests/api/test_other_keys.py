@@ -122,7 +122,7 @@ def test_no_route_tells_another_keys_id_from_nobodys(client, settings, theirs, o
                 told = []
                 for one in (known, NOBODY["job"]):
                     query = {} if name == "job" else {name: one}
-                    answer = browser.get(path.format(job=one, number=0), params=query)
+                    answer = browser.get(path.format(job=one, number=0, column=0), params=query)
                     told.append(tell(answer, one, NOBODY["job"]))
                 assert told[0] == told[1], (path, name)
                 asked += 1

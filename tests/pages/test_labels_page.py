@@ -323,9 +323,9 @@ def test_the_jobs_page_leads_there(page, person):
 
 
 def test_a_persons_result_shows_its_scan(page, person):
-    """Broken where a person's page tells of a fabric that was not asked for, or hides the pictures of the scan."""
+    """Broken where a person's page tells of a fabric that was not asked for, or hides the scan."""
     page.goto(f"/results/{person}")
-    assert page.locator("#pictures").get_attribute("hidden") is None
+    assert page.locator("input[data-mesh=scan]").is_checked()
     assert "Fabric" not in page.locator("h2").all_inner_texts()
     assert page.locator("a.button", has_text="Labels").get_attribute("href") == f"/results/{person}/labels"
 

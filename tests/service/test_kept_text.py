@@ -37,7 +37,10 @@ WORDS = ("\x00", "a\x00b", "\ud800", "a\udfff", "\udc00\ud800")
 CODED = ("%00", "a%00b", "%ED%A0%80", "%ff", "%C3")
 """The same in an address, and what is no UTF-8 at all."""
 
-ID = {"job": "0123456789ab", "key": "0123456789ab", "webhook": "0123456789ab", "sha256": "ab" * 32, "name": "x"}
+ID = {
+    **dict.fromkeys(("job", "key", "webhook", "share", "subject"), "0123456789ab"), "sha256": "ab" * 32, "name": "x",
+    "tag": "x",
+}  # fmt: skip
 JSON = {"content-type": "application/json"}
 FREE = ApiLimits(requests_per_second=1e6, burst=10**6)
 

@@ -227,7 +227,9 @@ def test_no_page_and_no_route_tells_where_the_database_is(settings, database, qu
             with away(settings, request):
                 answers = []
                 for path in paths:
-                    place = path.format(job=job, number=0, name="x", sha256="ab" * 32, token="x")
+                    place = path.format(
+                        job=job, number=0, column=0, name="x", sha256="ab" * 32, token="x", subject=job, tag="x"
+                    )
                     for client, headers in ((stranger, {}), (stranger, key), (stranger, wrong), (browser, {})):
                         answers.append(client.get(place, headers=headers))
                 answers += [stranger.post("/signin", data={"token": one}) for one in ("gq_wrong", "", token)]

@@ -19,7 +19,7 @@ from garmentq.service.results import export_files, report_jobs
 from garmentq.service.states import State
 from garmentq.service.submission import Order, submit
 from garmentq.workers.recovery import run_job
-from garmentq_home import drop_tables, put_file
+from garmentq_home import drop_tables
 from garmentq_standin import STEPS, hold_gate
 from sqlalchemy import select, text
 
@@ -102,14 +102,23 @@ def test_queued_jobs_run_and_interrupted_ones_resume(settings, old, store, tmp_p
     assert kept == ["result"], "checkpoints are let go"
 
 
+def put_old_file(folder: Path, name: str) -> Path:
+    """Write a file as the old home's stand-in took it for a mesh: its bytes are those of the stored requests."""
+    path = folder / name
+    path.write_text(f"ply\n{name} \n")
+    return path
+
+
 def test_the_same_order_is_still_the_same_job(old, store, tmp_path, monkeypatch):
     """Broken where the request or its hash is written otherwise: everything known would be computed once more."""
-    body = put_file(tmp_path, "body.ply")
-    assert submit(old, store, Order(put_file(tmp_path, "skirt.ply"), body)).is_new, "another version, another result"
+    body = put_old_file(tmp_path, "body.ply")
+    assert submit(old, store, Order(put_old_file(tmp_path, "skirt.ply"), body)).is_new, (
+        "another version, another result"
+    )
     monkeypatch.setattr("garmentq.service.submission.__version__", "0.1.0")
-    again = submit(old, store, Order(put_file(tmp_path, "skirt.ply"), body))
+    again = submit(old, store, Order(skirt, body))
     assert (again.job, again.is_new, again.state) == (DONE, False, State.SUCCEEDED)
     chosen = RecoverySettings(template="mine", seed=3)
-    template = put_file(tmp_path, "mine.json")
-    order = Order(put_file(tmp_path, "shirt3.ply"), body, template, chosen)
+    template = put_old_file(tmp_path, "mine.json")
+    order = Order(put_old_file(tmp_path, "shirt3.ply"), body, template, chosen)
     assert submit(old, store, order).job == QUEUED

@@ -212,7 +212,8 @@ function light(edges) {
 
 /** Say how long what is measured is, in the pattern and on the cloth that is shown. */
 function tellMeasured() {
-  const cloth = shownCloth(), told = find('#measured');
+  const cloth = shownCloth(), told = document.querySelector('#measured');
+  if (!told) return;
   if (!garment || !measured.length || !cloth) {
     told.replaceChildren();
     return;
