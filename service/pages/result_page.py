@@ -17,7 +17,7 @@ from ..results import ResultMissing, list_files, report_jobs
 from ..states import State
 from ..submission import PERSON_KIND
 from .checks_card import draw_checks
-from .exports_card import EXPORT_KIND, describe_size, draw_exports, draw_made, title_format
+from .exports_card import EXPORT_KIND, EXPORTABLE, describe_size, draw_exports, draw_made, title_format
 from .fabric_words import draw_fabric
 from .facts_card import draw_facts
 from .garment_words import describe_template, title_garment
@@ -106,6 +106,8 @@ def _list_links(job: JobReport, names: set[str], visitor: Visitor) -> list[Html]
         links.append(html('<a class="button" href="/results/{}/labels">Labels</a>', job.id))
     if "pattern.json" in names:
         links.append(html('<a class="button" href="/match?a={}">Match</a>', job.id))
+    if job.kind in EXPORTABLE and job.state == State.SUCCEEDED:
+        links.append(html('<a class="button" href="/compare?a={}">Compare</a>', job.id))
     if job.state == State.SUCCEEDED and is_preview(job.kind, job.settings) and visitor.may_submit:
         links.append(html('<button type="button" id="refine">Refine</button>'))
     links.append(html('<a class="button" href="/v1/jobs/{}/result.zip" download>All files (.zip)</a>', job.id))

@@ -6,6 +6,7 @@ from fastapi import APIRouter
 
 from . import (
     base_patterns_page,
+    compare_page,
     edit_page,
     fabrics_page,
     files_page,
@@ -32,6 +33,7 @@ for module in (
     job_page,
     result_page,
     match_page,
+    compare_page,
     edit_page,
     labels_page,
     shared_page,

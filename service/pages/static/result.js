@@ -1,5 +1,6 @@
 // A result: its meshes in 3D beside its pattern, each pointing into the other.
 import { followJob, getBytes, getJson, postJson } from './api.js';
+import { startCamera } from './camera_tools.js';
 import { find, make, showError } from './dom.js';
 import { readFrames } from './frames.js';
 import { computeStrain, flatten, lift, locate, measureEdge, spreadToNodes } from './garment.js';
@@ -136,32 +137,7 @@ function startTools() {
   }
   find('#style').addEventListener('change', colourCloth);
   find('#wireframe').addEventListener('change', (event) => viewer.setWireframe(event.target.checked));
-  startCamera();
-}
-
-/** Angles of the sides, around the upright axis [rad]. */
-const SIDES = { front: 0, left: Math.PI / 2, back: Math.PI, right: -Math.PI / 2 };
-
-/** Listen to the sides and the turntable, which rests where the visitor wants no motion. */
-function startCamera() {
-  const turntable = find('#turntable'), still = matchMedia('(prefers-reduced-motion: reduce)');
-  const spin = (isOn) => {
-    turntable.setAttribute('aria-pressed', String(isOn));
-    viewer.spin(isOn);
-  };
-  const obey = () => {
-    turntable.hidden = still.matches;
-    if (still.matches) spin(false);
-  };
-  turntable.addEventListener('click', () => spin(!viewer.isSpinning));
-  still.addEventListener('change', obey);
-  obey();
-  for (const button of document.querySelectorAll('[data-side]')) {
-    button.addEventListener('click', () => {
-      spin(false);
-      viewer.frame(SIDES[button.dataset.side]);
-    });
-  }
+  startCamera(viewer, (angle) => viewer.frame(angle));
 }
 
 /** Point from the pattern into space, and back. */

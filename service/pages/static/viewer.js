@@ -179,14 +179,16 @@ export class Viewer {
   /**
    * Look at all that is shown, level, from so far that the whole stays in view as it turns; until it is moved it stays whole in every size.
    * @param {number} [angle] around the upright axis; 0: the front, a quarter to its left [rad]
+   * @param {number} [least] distance of the camera [m]
+   * @returns {number} the distance [m]
    */
-  frame(angle = 0) {
+  frame(angle = 0, least = 0) {
     const shown = [...this.meshes.values()].filter((mesh) => mesh.visible), box = new Box3(), { target } = this.controls;
     for (const mesh of shown) box.expandByObject(mesh);
-    if (box.isEmpty()) return;
+    if (box.isEmpty()) return 0;
     box.getCenter(target);
     const up = Math.tan((Math.PI * this.camera.fov) / 360), across = Math.sin(Math.atan(up * this.camera.aspect));
-    let far = 0;
+    let far = least / (1 + MARGIN);
     for (const { array } of shown.map((mesh) => mesh.geometry.attributes.position)) {
       for (let n = 0; n < array.length; n += 3) {
         const radius = Math.hypot(array[n] - target.x, array[n + 2] - target.z);
@@ -196,6 +198,15 @@ export class Viewer {
     this.camera.position.copy(target).add(new Vector3(Math.sin(angle), 0, Math.cos(angle)).multiplyScalar((1 + MARGIN) * far));
     this.controls.update();
     this.isFramed = true;
+    this.draw();
+    return (1 + MARGIN) * far;
+  }
+
+  /** @param {Viewer} other a view, as which this one looks from now on */
+  follow(other) {
+    this.isFramed = other.isFramed;
+    this.camera.position.copy(this.controls.target).add(other.camera.position).sub(other.controls.target);
+    this.controls.update();
     this.draw();
   }
 
