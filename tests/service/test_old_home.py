@@ -111,10 +111,8 @@ def put_old_file(folder: Path, name: str) -> Path:
 
 def test_the_same_order_is_still_the_same_job(old, store, tmp_path, monkeypatch):
     """Broken where the request or its hash is written otherwise: everything known would be computed once more."""
-    body = put_old_file(tmp_path, "body.ply")
-    assert submit(old, store, Order(put_old_file(tmp_path, "skirt.ply"), body)).is_new, (
-        "another version, another result"
-    )
+    body, skirt = put_old_file(tmp_path, "body.ply"), put_old_file(tmp_path, "skirt.ply")
+    assert submit(old, store, Order(skirt, body)).is_new, "another version, another result"
     monkeypatch.setattr("garmentq.service.submission.__version__", "0.1.0")
     again = submit(old, store, Order(skirt, body))
     assert (again.job, again.is_new, again.state) == (DONE, False, State.SUCCEEDED)
