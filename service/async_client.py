@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ParamSpec, Self, TypeVar
 
+from ..core.run.errors import GarmentqError
 from .client import Client
 from .job_handle import JobHandle
 
@@ -97,6 +98,13 @@ class AsyncClient:
     ) -> AsyncJob:
         """Upload a scan, queue its recovery, and return the job; options are those of `Client.recover`."""
         return AsyncJob(await asyncio.to_thread(lambda: self.client.recover(scan, body, tags=tags, **options)))
+
+    async def recover_many(
+        self, scans: Sequence[str | Path], body: str | Path | None = None, *, tags: Sequence[str] = (), **options: Any
+    ) -> list[AsyncJob | GarmentqError]:
+        """Upload scans and queue their recoveries, as `Client.recover_many` does; return a job or refusal for each."""
+        found = await asyncio.to_thread(lambda: self.client.recover_many(scans, body, tags=tags, **options))
+        return [one if isinstance(one, GarmentqError) else AsyncJob(one) for one in found]
 
     async def job(self, job: str) -> AsyncJob:
         """Return a job by its id or a beginning of it."""

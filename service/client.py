@@ -18,6 +18,7 @@ from urllib.parse import quote
 
 from ..core.body.spec import read_wearer
 from ..core.recover.settings import RecoverySettings, SettingsBad, complete_by_quality
+from ..core.run.errors import BadInput, GarmentqError, NotFound
 from .connection import ServiceUnreachable
 from .deletion import Deleted
 from .job_handle import JobHandle
@@ -84,11 +85,38 @@ class Client(RemoteBackend):
             SettingsBad: if a setting is unknown or cannot be used; the message has the nearest name.
             GarmentqError: with the code of what else cannot be used.
         """
-        wearer = read_wearer(str(body)) if body is not None else None
+        order = _make_order(scan, body, (name, tags), given_as, _make_settings(quality, settings))
+        return JobHandle(self, self.submit(self.check_order(order, order.settings.template)).job)
+
+    def recover_many(
+        self,
+        scans: Sequence[str | Path],
+        body: str | Path | None = None,
+        *,
+        tags: Sequence[str] = (),
+        given_as: str | None = None,
+        quality: str | None = None,
+        **settings: Any,
+    ) -> list[JobHandle | GarmentqError]:
+        """Upload scans, queue their recoveries in one request for each hundred, and return a job or refusal for each.
+
+        The arguments are those of `recover`. A scan that is refused does not keep the others from being queued.
+
+        Raises:
+            SettingsBad: if a setting is unknown or cannot be used.
+        """
         chosen = _make_settings(quality, settings)
-        terms = JobTerms(name, tuple(tags), subject=subject)
-        order = Order(Path(scan), wearer, settings=chosen, given_as=given_as, terms=terms)
-        return JobHandle(self, self.submit(self.check_order(order, chosen.template)).job)
+        results: dict[int, JobHandle | GarmentqError] = {}
+        orders: dict[int, Order] = {}
+        for number, scan in enumerate(scans):
+            order = _make_order(scan, body, ("", tags), given_as, chosen)
+            try:
+                orders[number] = self.check_order(order, chosen.template)
+            except (BadInput, NotFound) as error:
+                results[number] = error
+        for number, done in zip(orders, self.submit_many(list(orders.values())), strict=True):
+            results[number] = done if isinstance(done, GarmentqError) else JobHandle(self, done.job)
+        return [results[number] for number in range(len(scans))]
 
     def job(self, job: str) -> JobHandle:
         """Return a job by its id or a beginning of it.
@@ -222,6 +250,19 @@ class Client(RemoteBackend):
         if not isinstance(found, dict):
             raise ServiceUnreachable("the server is not a garmentq service: its response cannot be read.")
         return found
+
+
+def _make_order(
+    scan: str | Path,
+    body: str | Path | None,
+    labels: tuple[str, Sequence[str]],
+    given_as: str | None,
+    settings: RecoverySettings,
+) -> Order:
+    """Return the order of a recovery; `labels` are its name and tags."""
+    wearer = read_wearer(str(body)) if body is not None else None
+    terms = JobTerms(labels[0], tuple(labels[1]))
+    return Order(Path(scan), wearer, settings=settings, given_as=given_as, terms=terms)
 
 
 def _make_settings(quality: str | None, values: Mapping[str, Any]) -> RecoverySettings:

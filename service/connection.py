@@ -140,8 +140,13 @@ def _make_error(answer: httpx.Response) -> GarmentqError:
         code, message = str(found["code"]), str(found["detail"])
     except (ValueError, KeyError, TypeError):
         return ServiceUnreachable(f"the server at {answer.url.host} is not a garmentq service ({answer.status_code}).")
+    return make_refusal(answer.status_code, code, message)
+
+
+def make_refusal(status: int, code: str, message: str) -> GarmentqError:
+    """Return an error of the class that a status determines, with the service's code."""
     kinds: dict[int, type[GarmentqError]] = {404: NotFound, 400: BadInput, 408: BadInput, 409: BadInput}
     kinds |= {413: BadInput, 415: BadInput, 422: BadInput}
-    error = kinds.get(answer.status_code, GarmentqError)(message)
+    error = kinds.get(status, GarmentqError)(message)
     error.code = code
     return error

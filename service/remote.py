@@ -28,7 +28,7 @@ import httpx
 from ..core.body.spec import BuiltinWearer
 from ..core.recover.settings import WAIT
 from ..core.run.errors import GarmentqError, NotFound
-from .connection import MAX_REQUEST_TRIES, Connection, ServiceUnreachable
+from .connection import MAX_REQUEST_TRIES, Connection, ServiceUnreachable, make_refusal
 from .derived import DerivedOrder
 from .jobs import order_by_ids
 from .kinds import FileRef, RequestBad
@@ -57,6 +57,9 @@ REMOTE_POLL_INTERVAL = 0.5
 
 UPLOADS = {"body": "bodies", "motion": "motions", "pattern": "patterns"}
 """Kind of upload of each file of a derived job, by its field."""
+
+MAX_ORDERS_PER_REQUEST = 100
+"""Largest number of orders in one request, the service's limit."""
 
 MAX_WAIT_SECONDS = 60.0
 """Longest time for which one request waits for a job's end [s], the service's limit."""
@@ -103,6 +106,23 @@ class RemoteBackend(RemoteSubjects):
 
     def submit(self, order: Order, is_checked: bool = False) -> SubmissionResult:
         """Upload an order's files and create the job; a template that is not a file is sent by its name."""
+        payload = self._describe(order)
+        if is_checked:  # a service of an earlier version refuses the field
+            payload["check"] = True
+        return self._submit(payload, order.terms)
+
+    def submit_many(self, orders: Sequence[Order]) -> list[SubmissionResult | GarmentqError]:
+        """Upload the files of orders and create their jobs, a hundred a request; return each one's job or refusal."""
+        results: list[SubmissionResult | GarmentqError] = []
+        for start in range(0, len(orders), MAX_ORDERS_PER_REQUEST):
+            payload = {"orders": [self._describe(order) for order in orders[start : start + MAX_ORDERS_PER_REQUEST]]}
+            headers = {"idempotency-key": uuid.uuid4().hex}
+            found = self._ask("POST", "/v1/jobs/batch", json=payload, headers=headers)
+            results += read_all(_read_result, found, "results")
+        return results
+
+    def _describe(self, order: Order) -> dict[str, Any]:
+        """Upload an order's files, and return the request for its job."""
         settings = order.settings.as_dict()
         template, settings["redrape"] = settings.pop("template"), settings["redrape"] or WAIT
         payload: dict[str, Any] = {
@@ -120,9 +140,7 @@ class RemoteBackend(RemoteSubjects):
             payload["pattern"] = self.upload("patterns", order.template)
         elif template is not None:
             payload["template"] = template
-        if is_checked:  # a service of an earlier version refuses the field
-            payload["check"] = True
-        return self._submit(payload, order.terms)
+        return payload
 
     def submit_derived(self, order: DerivedOrder) -> SubmissionResult:
         """Upload an order's files and create the job that works on a stored result."""
@@ -349,6 +367,13 @@ def _describe_terms(terms: JobTerms) -> dict[str, Any]:
     names = ("priority", "queue", "force", "name")
     subject = {"subject": terms.subject} if terms.subject else {}  # a service of an earlier version refuses the field
     return {name: getattr(terms, name) for name in names} | {"tags": list(terms.tags)} | subject
+
+
+def _read_result(found: Json) -> SubmissionResult | GarmentqError:
+    """Return what became of one of several orders."""
+    if found["error"] is None:
+        return read_submitted(found["asked"])
+    return make_refusal(int(found["error"]["status"]), str(found["error"]["code"]), str(found["error"]["detail"]))
 
 
 def read_submitted(found: Json) -> SubmissionResult:

@@ -91,7 +91,7 @@ UNITLESS = re.compile(
 )
 """How the docstring of a number without unit begins; a weight says what it is relative to."""
 
-SAME_IN_TWO_LAYERS = {"MAX_JOBS_PER_REQUEST", "MAX_WAIT_SECONDS", "GARBAGE_GRACE_HOURS"}
+SAME_IN_TWO_LAYERS = {"MAX_JOBS_PER_REQUEST", "MAX_ORDERS_PER_REQUEST", "MAX_WAIT_SECONDS", "GARBAGE_GRACE_HOURS"}
 """Bounds of the service that a command or a client has without importing it; tests compare both."""
 
 PUBLISHED = {"Asked"}

@@ -137,6 +137,27 @@ class Asked(Answer):
     understood: dict[str, Any] | None = None
 
 
+class Refusal(Answer):
+    """Describe why one of several orders was refused, as a problem does."""
+
+    status: int
+    code: str
+    detail: str
+
+
+class OrderResult(Answer):
+    """Describe what became of one of several orders: `asked`, or the `error` if it was refused."""
+
+    asked: Asked | None
+    error: Refusal | None
+
+
+class Ordered(Answer):
+    """List what became of several orders, in their order."""
+
+    results: list[OrderResult]
+
+
 class Changed(Answer):
     """Describe a job's state after the request."""
 

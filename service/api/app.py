@@ -31,6 +31,7 @@ from . import (
     match,
     materials,
     messages,
+    order_batch,
     patterns,
     persons,
     questions,
@@ -92,7 +93,19 @@ def make_app(
     size = StoreSize(database, settings)
     app.state.rooms = AppState(settings, database, store, limits, token, meter, calls, lanes, times, size)
     libraries = (match, patterns, templates, materials, keys, persons, webhooks, shares, subjects, tagged)
-    for module in (uploads, inspection, batches, jobs, renaming, labels, events, results, questions, *libraries):
+    for module in (
+        uploads,
+        inspection,
+        batches,
+        order_batch,
+        jobs,
+        renaming,
+        labels,
+        events,
+        results,
+        questions,
+        *libraries,
+    ):
         app.include_router(module.router, prefix="/v1", dependencies=[Depends(refuse_unknown), Depends(refuse_text)])
     app.include_router(health.router)
     app.webhooks.include_router(messages.router)

@@ -30,8 +30,8 @@ Receive = Callable[[], Awaitable[Message]]
 Send = Callable[[Message], Awaitable[None]]
 
 UPLOAD_PATHS = ("/v1/scans", "/v1/bodies", "/v1/labels", "/v1/patterns", "/v1/motions")
-DOCUMENT_PATHS = ("/v1/templates/", "/v1/patterns/check", "/v1/patterns/edit")
-"""Beginnings of the paths that accept a whole pattern."""
+DOCUMENT_PATHS = ("/v1/templates/", "/v1/patterns/check", "/v1/patterns/edit", "/v1/jobs/batch")
+"""Beginnings of the paths that accept a whole pattern, or many orders."""
 GUARDED_PATHS = ("/v1/", "/metrics")
 """Beginnings of the paths that require a key, before any byte of a body is read."""
 

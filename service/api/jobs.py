@@ -100,8 +100,8 @@ async def create_job(
     succeeded.
     """
     caller.check_priority(payload.priority)
-    create = partial(_create, rooms, caller, payload, idempotency_key)
-    if _calls_limited(rooms, payload):
+    create = partial(create_one, rooms, caller, payload, idempotency_key)
+    if calls_limited(rooms, payload):
         done = await rooms.limited.run(request, caller.key, create)
     else:
         done = await run_in_threadpool(create)
@@ -243,14 +243,14 @@ def answer_query(rooms: AppState, caller: Caller, query: JobQuery, is_full: bool
     return {"jobs": [job.as_json() for job in jobs], "total": page.total, "next": page.next}
 
 
-def _calls_limited(rooms: AppState, payload: JobIn | DerivedIn) -> bool:
+def calls_limited(rooms: AppState, payload: JobIn | DerivedIn) -> bool:
     """Return whether files are read before the job is queued, in a limited process."""
     if isinstance(payload, JobIn):
         return payload.check
     return find_kind(rooms.settings, payload.kind).is_refused_early
 
 
-def _create(
+def create_one(
     rooms: AppState,
     caller: Caller,
     payload: JobIn | DerivedIn,

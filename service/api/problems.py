@@ -99,6 +99,11 @@ def answer_error(error: GarmentqError) -> JSONResponse:
     return make_problem(error_status(error), error.code, make_public_message(error), seconds, findings)
 
 
+def describe_error(error: GarmentqError) -> dict[str, object]:
+    """Return status, code and message of a refusal, for an answer that has others beside it."""
+    return {"status": error_status(error), "code": error.code, "detail": make_public_message(error)}
+
+
 def make_public_message(error: GarmentqError) -> str:
     """Return the message of an error for a caller; details of a fault of the service are only logged."""
     if is_service_error(error):

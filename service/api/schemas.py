@@ -38,6 +38,8 @@ WORDS = tuple(part.word for part in GARMENTS)
 """The garments of a person."""
 MAX_JOBS_PER_REQUEST = 1000
 """Largest number of jobs in one request; a larger batch takes more than one."""
+MAX_ORDERS_PER_REQUEST = 100
+"""Largest number of orders in one request; each takes about 10 ms, and an answer has 120 s to begin."""
 
 
 ALLOWED = {
@@ -189,6 +191,23 @@ def _tag(value: Any) -> str:
 
 AnyJobIn = Annotated[Annotated[JobIn, Choice("scan")] | Annotated[DerivedIn, Choice("derived")], Discriminator(_tag)]
 """A request for a job; a `kind` marks one that works on a stored result."""
+
+
+class OrdersIn(BaseModel):
+    """Describe several jobs, each as a request for one describes it."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        json_schema_extra={
+            "example": {
+                "orders": [
+                    {"scan": "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08", "tags": ["march"]},
+                    {"kind": "export", "result": "3685ecfd4f81", "options": {"format": "pdf"}},
+                ]
+            }
+        },
+    )
+    orders: list[AnyJobIn] = Field(min_length=1, max_length=MAX_ORDERS_PER_REQUEST)
 
 
 SQUARE: dict[str, JsonValue] = {

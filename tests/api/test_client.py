@@ -106,7 +106,9 @@ def ask_everything(service: Client, finished: str, folder: Path, settings) -> No
         service.forget_upload(kind, service.upload(kind, folder / name))
     scan = service.upload("scans", folder / "a.ply")
     assert service.inspect_scan(scan, quick=True, as_="garment", up="y")["needs"]["code"] == "body.missing"
-    job = service.submit(Order(folder / "a.ply", folder / "b.ply")).job
+    order = Order(folder / "a.ply", folder / "b.ply")
+    job = service.submit(order).job
+    assert [one.job for one in service.submit_many([order])] == [job]
     (folder / "points.npy").write_bytes(b"x")
     refused(service.mend_labels, finished, folder / "points.npy")
     refused(service.set_wearing, finished, "upper")

@@ -17,15 +17,15 @@ from jsonschema import Draft202012Validator
 from openapi_spec_validator import OpenAPIV31SpecValidator
 
 OPERATIONS = """
-assign_jobs cancel_job change_job check_pattern create_job create_key create_share create_subject create_webhook
-delete_job delete_material delete_person delete_subject delete_template delete_webhook download_artifact
-download_export download_result edit_pattern follow_job forget_body forget_labels forget_motion forget_pattern
-forget_scan import_material import_template inspect_scan list_artifacts list_batches list_jobs list_keys
-list_materials list_shares list_states list_subjects list_templates list_versions list_webhooks match_patterns
-mend_labels query_jobs refine_job retry_job revoke_key revoke_share rotate_key rotate_secret set_wearing show_batch
-show_body show_health show_job show_labels show_material show_metrics show_motion show_pattern show_person show_queue
-show_readiness show_result show_scan show_subject show_template show_wearer take_message test_webhook update_subject
-upload_body upload_labels upload_motion upload_pattern upload_scan
+assign_jobs cancel_job change_job check_pattern create_job create_jobs create_key create_share create_subject
+create_webhook delete_job delete_material delete_person delete_subject delete_template delete_webhook
+download_artifact download_export download_result edit_pattern follow_job forget_body forget_labels forget_motion
+forget_pattern forget_scan import_material import_template inspect_scan list_artifacts list_batches list_jobs
+list_keys list_materials list_shares list_states list_subjects list_templates list_versions list_webhooks
+match_patterns mend_labels query_jobs refine_job retry_job revoke_key revoke_share rotate_key rotate_secret
+set_wearing show_batch show_body show_health show_job show_labels show_material show_metrics show_motion show_pattern
+show_person show_queue show_readiness show_result show_scan show_subject show_template show_wearer take_message
+test_webhook update_subject upload_body upload_labels upload_motion upload_pattern upload_scan
 """.split()
 """Ids that generated clients name their functions by: a new route adds one, and none is changed."""
 
