@@ -372,7 +372,7 @@ def _describe_terms(terms: JobTerms) -> dict[str, Any]:
 def _read_result(found: Json) -> SubmissionResult | GarmentqError:
     """Return what became of one of several orders."""
     if found["error"] is None:
-        return read_submitted(found["asked"])
+        return read_submitted(found["job"])
     return make_refusal(int(found["error"]["status"]), str(found["error"]["code"]), str(found["error"]["detail"]))
 
 

@@ -146,9 +146,9 @@ class Refusal(Answer):
 
 
 class OrderResult(Answer):
-    """Describe what became of one of several orders: `asked`, or the `error` if it was refused."""
+    """Describe what became of one of several orders: `job`, or the `error` if it was refused."""
 
-    asked: Asked | None
+    job: Asked | None
     error: Refusal | None
 
 
@@ -172,10 +172,9 @@ class Result(Job):
 
 
 class Jobs(Answer):
-    """List a page of jobs; reports with `detail=full`.
+    """List a page of jobs; `next` is the `cursor` of the page that follows, null on the last one.
 
-    `next` is the `cursor` of the page that follows, null on the last one. `total` counts the whole list; null if more
-    than 1000 jobs meet its conditions.
+    `total` counts the whole list; null if more than 1000 jobs meet its conditions.
     """
 
     jobs: list[Job | Listed]
@@ -192,8 +191,7 @@ class Briefs(Answer):
 class Events(Answer):
     """List events of a job after one: an ended `state` with `next` null comes with all of them.
 
-    `next` is the value of `after` for the events that follow, null if there are none yet; `total` counts all events of
-    the job.
+    `next` is the `after` of the events that follow, null if there are none yet; `total` counts all of the job.
     """
 
     state: State

@@ -26,7 +26,7 @@ MAX_BATCH_TOKEN_LENGTH = 120
 """Largest length of the Idempotency-Key of a batch [letters]; each order's own has the order's number after it."""
 
 REFUSED = {"status": 404, "code": "upload.unknown", "detail": "This key has not uploaded such a file; upload it first."}
-EXAMPLE = {"results": [{"asked": ASKED | {"understood": None}, "error": None}, {"asked": None, "error": REFUSED}]}
+EXAMPLE = {"results": [{"job": ASKED | {"understood": None}, "error": None}, {"job": None, "error": REFUSED}]}
 
 BatchToken = Annotated[
     str | None,
@@ -91,11 +91,11 @@ def _number_token(token: str | None, number: int) -> str | None:
 
 
 def _show(done: SubmissionResult) -> dict[str, Any]:
-    return {"asked": asdict(done), "error": None}
+    return {"job": asdict(done), "error": None}
 
 
 def _refuse(error: GarmentqError) -> dict[str, Any]:
     """Return the result of an order that was refused; a fault of the service ends the request."""
     if is_service_error(error):
         raise error
-    return {"asked": None, "error": describe_error(error)}
+    return {"job": None, "error": describe_error(error)}

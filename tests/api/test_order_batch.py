@@ -34,10 +34,10 @@ def test_each_order_has_its_result(client):
     codes = [one["error"] and (one["error"]["status"], one["error"]["code"]) for one in results]
     refused = [(404, "upload.unknown"), (422, "body.spec_bad"), (422, "job.input_not_ended"), (422, "request.bad")]
     assert answer.status_code == 200 and codes == [None, refused[0], None, *refused[1:]]
-    jobs = [one["asked"]["job"] for one in results if one["asked"]]
+    jobs = [one["job"]["job"] for one in results if one["job"]]
     assert all(client.get(f"/v1/jobs/{job}").json()["state"] == "queued" for job in jobs)
     assert client.get(f"/v1/jobs/{jobs[0]}").json()["tags"] == ["march"]
-    assert [one["asked"]["is_new"] for one in order(client, {"scan": scans[1], "body": BODY}).json()["results"]] == [
+    assert [one["job"]["is_new"] for one in order(client, {"scan": scans[1], "body": BODY}).json()["results"]] == [
         False
     ]
 
@@ -47,8 +47,8 @@ def test_a_repeated_request_queues_none_twice(client):
     orders = [{"scan": upload(client, 0.1 * n), "body": BODY, "force": True} for n in range(2)]
     token = {"idempotency-key": "a" * 120}
     first, again = (order(client, *orders, **token).json()["results"] for _ in range(2))
-    assert [one["asked"]["job"] for one in first] == [one["asked"]["job"] for one in again]
-    assert [one["asked"]["is_new"] for one in again] == [False, False]
+    assert [one["job"]["job"] for one in first] == [one["job"]["job"] for one in again]
+    assert [one["job"]["is_new"] for one in again] == [False, False]
     swapped = order(client, *orders[::-1], **token).json()["results"]
     assert [one["error"]["code"] for one in swapped] == ["request.idempotency_mismatch"] * 2
     assert client.get("/v1/jobs").json()["total"] == 2
