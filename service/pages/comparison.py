@@ -71,7 +71,8 @@ def _draw_row(name: str, values: tuple[float | None, float | None], pattern: str
 def _draw_checks(first: JobReport, second: JobReport) -> Html:
     """Return the card with the checks: those whose verdicts differ, or did not pass, first; the others folded."""
     pairs = _pair(first.gates, second.gates)
-    open_rows, passed = [], []
+    open_rows: list[Html] = []
+    passed: list[Html] = []
     for name, (a, b) in pairs.items():
         verdicts = {gate.verdict for gate in (a, b) if gate is not None}
         row = html(CHECK, title_check(name), _draw_gate(a), _draw_gate(b))
