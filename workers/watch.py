@@ -25,12 +25,12 @@ INTERRUPT_SHARE = 0.5
 IMPORT_SYSTEM_FILE = "<frozen importlib"
 """Beginning of the file names of Python's import system in frames."""
 
-CHECKPOINT_WAIT_SECONDS = 8.0
+CHECKPOINT_WAIT_SECONDS = 6.0
 """Longest wait of a preempted job for its next checkpoint [s]; then it stops between two iterations, and loses what it
 has computed since the last one."""
 
 
-ITERATION_WAIT_SECONDS = 4.0
+ITERATION_WAIT_SECONDS = 3.0
 """Longest wait of a preempted job for the end of an iteration, after that for a checkpoint [s]; then it is interrupted:
 an iteration of the fit takes up to 20 s of CPU."""
 
