@@ -74,6 +74,7 @@ def command(
     from ..service.persons import delete_person, delete_subject, describe_jobs
     from ..service.services import open_services
     from ..service.settings import read_settings
+    from .confirm import confirm_deletion
     from .terminal import print_json, print_note
 
     if sum((bool(jobs), *(value is not None for value in asdict(options).values()))) != 1:
@@ -105,7 +106,7 @@ def command(
         if dry_run:
             return
         if not yes:
-            click.confirm("Delete all of these? This cannot be undone.", abort=True, err=True)
+            confirm_deletion()
         done = delete_jobs(database, store, chosen) if erase is None else erase()
     finally:
         database.dispose()

@@ -38,6 +38,7 @@ USAGE_CODES = (
     "template.shipped",
     "fabric.shipped",
     "command.local_only",
+    "command.unconfirmed",
     "serve.host_bad",
     "output.unwritable",
 )

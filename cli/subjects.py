@@ -180,6 +180,7 @@ def delete_command(subject: str, dry_run: bool, yes: bool, home: Path | None, as
     """
     from dataclasses import asdict
 
+    from .confirm import confirm_deletion
     from .delete import show_deleted, show_person
     from .terminal import print_json
 
@@ -191,7 +192,7 @@ def delete_command(subject: str, dry_run: bool, yes: bool, home: Path | None, as
             if as_json:
                 print_json(asdict(found))
             return
-        click.confirm("Delete all of these? This cannot be undone.", abort=True, err=True)
+        confirm_deletion()
     done = backend.delete_subject(subject)
     if as_json:
         print_json(asdict(done))

@@ -63,6 +63,10 @@ DAMAGE_ERROR_TEXTS = (
 DAMAGED_CODES = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_FORMAT)
 """SQLite's error codes for the same, whatever the message."""
 
+ONE_MOMENT = "REPEATABLE READ"
+"""Isolation of a reading transaction on PostgreSQL: by default each query sees what others committed before it, so a
+job whose state changes between two queries is in neither answer, or in both. SQLite's log does so by itself."""
+
 DOUBT_SECONDS = 60.0
 """Time for which rows found damaged are excluded without another attempt [s]: each attempt may scan a table."""
 
@@ -143,6 +147,7 @@ class Database:
         self.url = url
         self.engine = _make_engine(url, pooled)
         self._writer = self.engine.execution_options(**{WRITE: True})
+        self._reader = self.engine if self.is_sqlite else self.engine.execution_options(isolation_level=ONE_MOMENT)
         self._session: type[Session] = Session
         self.doubtful_until = -math.inf
         self.intact = copy(self)
@@ -150,8 +155,8 @@ class Database:
 
     @contextmanager
     def read(self) -> Iterator[Session]:
-        """Open a session that only reads."""
-        with self._open(self.engine) as session:
+        """Open a session that only reads; all its queries see the database as it was at the first."""
+        with self._open(self._reader) as session:
             yield session
 
     @contextmanager

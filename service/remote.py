@@ -231,14 +231,18 @@ class RemoteBackend(RemoteSubjects):
         return known + [job for job in found.values() if job.id not in requested]
 
     def list_jobs(self, limit: int = 50) -> list[JobReport]:
-        """Return the running jobs, then the newest others, each newest first; at most a thousand."""
-        conditions: list[dict[str, Any]] = [{"state": State.RUNNING.value}, {}]
+        """Return the running jobs, then the newest others, each newest first; at most a thousand.
+
+        The running jobs are read last: a job that starts between both requests is at least among these.
+        """
+        conditions: list[dict[str, Any]] = [{}, {"state": State.RUNNING.value}]
         pages = [
             self._ask("GET", "/v1/jobs", params=one | {"limit": min(limit, MAX_JOBS_PER_REQUEST), "detail": "full"})
             for one in conditions
         ]
         found = {job.id: job for one in pages for job in read_all(JobReport.from_json, one, "jobs")}
-        return list(found.values())[:limit]
+        newest = sorted(found.values(), key=lambda job: (-job.created, job.id))
+        return sorted(newest, key=lambda job: job.state != State.RUNNING)[:limit]
 
     def find_jobs(self, terms: JobQuery) -> list[JobReport]:
         """Return the jobs that meet every condition of a query, which is parsed here before it is sent."""

@@ -9,7 +9,7 @@ from datetime import datetime
 
 import pytest
 from garmentq.cli.export_folders import prefix_files, write_plain
-from garmentq.service.jobs import claim, fail, find_job, find_jobs_by_id
+from garmentq.service.jobs import JobUnknown, claim, fail, find_job, find_jobs_by_id
 from garmentq.service.subjects import find_subject, list_subjects
 from garmentq_home import put_file
 
@@ -43,6 +43,25 @@ def test_a_subject_by_command(cli, database, tmp_path):
     (dry,) = read_rows(cli("subjects", "delete", "Anne", "--dry-run", "--json"))
     assert [one["job"] for one in dry["jobs"]] == [job] and find_job(database, job)
     assert cli("subjects", "delete", "Anne", "--yes").returncode == 0 and list_subjects(database) == []
+
+
+def test_a_deletion_without_an_answer_names_the_option(cli, database, tmp_path, monkeypatch):
+    """Broken where a script learns that it was interrupted, which it was not, or something is deleted."""
+    job = cli("submit", put_file(tmp_path, "a.ply"), "--body", BODY, "--subject", "Anna").stdout.split()[0]
+    assert cli("cancel", job).returncode == 0
+    for words in (("delete", job), ("delete", "--subject", "Anna"), ("subjects", "delete", "Anna")):
+        monkeypatch.setattr("sys.stdin", io.StringIO(""))
+        refused = cli(*words)
+        assert refused.returncode == 2 and find_job(database, job)
+        assert "error command.unconfirmed: " in refused.stderr and "--yes" in refused.stderr
+        assert "interrupted" not in refused.stderr
+    monkeypatch.setattr("sys.stdin", io.StringIO("n\n"))
+    declined = cli("subjects", "delete", "Anna")
+    assert declined.returncode == 7 and "command.declined" in declined.stderr and find_job(database, job)
+    monkeypatch.setattr("sys.stdin", io.StringIO("y\n"))
+    assert cli("delete", job).returncode == 0
+    with pytest.raises(JobUnknown):
+        find_job(database, job)
 
 
 def test_a_table_of_orders_names_subjects(cli, database, tmp_path):

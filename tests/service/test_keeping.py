@@ -147,7 +147,7 @@ def test_a_person_is_deleted_with_all_that_was_made(database, store, done, cli, 
     fail(database, claim(database, reader, "a", 30.0), "x.y", "z", bad_input=False)
     monkeypatch.setattr("sys.stdin", io.StringIO("n\n"))
     asked = cli("delete", "--person", "Anna")
-    assert asked.returncode != 0 and find_job(database, first), "it asks first"
+    assert asked.returncode == 7 and "command.declined" in asked.stderr and find_job(database, first), "it asks first"
     told = cli("delete", "--person", "Anna", "--yes", "--json")
     assert told.returncode == 0 and sorted(json.loads(told.stdout)["jobs"]) == sorted([first, reader]), told
     assert row.scan not in {one.sha256 for one in store.list_files()}
