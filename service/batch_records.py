@@ -10,6 +10,24 @@ from .states import OPEN, State
 
 
 @dataclass(frozen=True)
+class FamilyCount(JsonRecord):
+    """Describe how many families have succeeded, have a job that failed, and have one that is open.
+
+    A family with an open job counts as open, whatever else failed in it.
+    """
+
+    __pydantic_config__: ClassVar = CLOSED
+    succeeded: int = 0
+    failed: int = 0
+    open: int = 0
+
+    @property
+    def total(self) -> int:
+        """Return the number of families."""
+        return self.succeeded + self.failed + self.open
+
+
+@dataclass(frozen=True)
 class Batch(JsonRecord):
     """Describe the jobs with a tag, with those below them.
 
@@ -24,6 +42,7 @@ class Batch(JsonRecord):
         verdicts: Number of results by verdict.
         garments: Number of garments by category.
         cpu_seconds: CPU time of all results [s].
+        families: Number of its families; None from a service of an earlier version.
     """
 
     __pydantic_config__: ClassVar = CLOSED
@@ -37,6 +56,7 @@ class Batch(JsonRecord):
     verdicts: dict[str, int]
     garments: dict[str, int]
     cpu_seconds: float
+    families: FamilyCount | None = None
 
     @property
     def open_jobs(self) -> int:

@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Any
 
 from sqlalchemy import ColumnElement, case, delete, exists, func, select
 from sqlalchemy.orm import Session
 
 from ..core.run.errors import NotFound
-from .batch_records import Batch, BatchFailure, BatchReport
+from .batch_records import Batch, BatchFailure, BatchReport, FamilyCount
 from .clocks import AHEAD_SECONDS
 from .database import Database, clock, skip_damaged_rows
 from .models import BatchRow, JobRow, JobTagRow, OwnerRow, WorkerRow
 from .pace import find_mean_seconds
 from .reaper import FORGET_SECONDS
 from .records import Failure
-from .states import OPEN, State
+from .states import OPEN, UNSUCCESSFUL, State
 
 MAX_BATCH_PAGE = 200
 """Largest number of batches of one list."""
@@ -81,6 +81,7 @@ def list_batches(database: Database, limit: int = 50, before: str = "", owner: s
         return [one for one in _describe(session, times, owner) if one.jobs]
 
 
+@skip_damaged_rows
 def find_batch(database: Database, tag: str, owner: str | None = None) -> BatchReport:
     """Return a batch with its failures; with an owner only the jobs of this API key.
 
@@ -113,7 +114,31 @@ def _describe(session: Session, times: dict[str, float], owner: str | None) -> l
     running = _find_running(session, list(times))
     lives = (WorkerRow.seen > clock() - FORGET_SECONDS) & (WorkerRow.seen < clock() + AHEAD_SECONDS)
     capacity = session.scalar(select(func.coalesce(func.sum(WorkerRow.concurrency), 0)).where(lives)) or 0
-    return [_sum_up(session, tag, at, rows[tag], running.get(tag, []), int(capacity)) for tag, at in times.items()]
+    families = _count_families(session, list(times), owner)
+    return [
+        replace(_sum_up(session, tag, at, rows[tag], running.get(tag, []), int(capacity)), families=families[tag])
+        for tag, at in times.items()
+    ]
+
+
+def _count_families(session: Session, tags: Sequence[str], owner: str | None) -> dict[str, FamilyCount]:
+    """Return for each tag how far the families of its jobs are."""
+    is_open, is_unsuccessful = (
+        func.max(case((JobRow.state.in_(states), 1), else_=0)) for states in (OPEN, UNSUCCESSFUL)
+    )
+    families = (
+        select(JobTagRow.tag, is_open.label("is_open"), is_unsuccessful.label("is_unsuccessful"))
+        .join(JobRow, JobRow.id == JobTagRow.job)
+        .where(JobTagRow.tag.in_(tags), *_is_own(owner))
+        .group_by(JobTagRow.tag, JobRow.family)
+        .subquery()
+    )
+    groups = (families.c.tag, families.c.is_open, families.c.is_unsuccessful)
+    counts: dict[str, dict[str, int]] = {tag: {} for tag in tags}
+    for tag, has_open, has_failed, number in session.execute(select(*groups, func.count()).group_by(*groups)):
+        name = "open" if has_open else "failed" if has_failed else "succeeded"
+        counts[tag][name] = counts[tag].get(name, 0) + number
+    return {tag: FamilyCount(**found) for tag, found in counts.items()}
 
 
 def _is_own(owner: str | None) -> tuple[ColumnElement[bool], ...]:

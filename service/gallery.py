@@ -6,14 +6,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-from sqlalchemy import ColumnElement, case, func, select
+from sqlalchemy import ColumnElement, select
 from sqlalchemy.orm import Session
 
 from .database import Database, skip_damaged_rows
 from .jobs import IDS_AT_ONCE
 from .models import JobInputRow, JobRow, JobTagRow, OwnerRow
 from .places import Place, find_places
-from .states import OPEN, UNSUCCESSFUL, State
+from .states import OPEN, State
 
 GARMENT_KIND = "recover"
 """Kind of the jobs below a person that each make one garment."""
@@ -100,23 +100,6 @@ class GalleryFamily:
         return sum(job.overall if job.is_open else 1.0 for job in main) / len(main)
 
 
-@dataclass(frozen=True)
-class BatchCount:
-    """Describe how many families of a tag have succeeded, have a job that failed, and have one that is open.
-
-    A family with an open job counts as open, whatever else failed in it.
-    """
-
-    succeeded: int
-    failed: int
-    open: int
-
-    @property
-    def total(self) -> int:
-        """Return the number of families."""
-        return self.succeeded + self.failed + self.open
-
-
 @skip_damaged_rows
 def read_families(database: Database, roots: Sequence[str], owner: str | None = None) -> list[GalleryFamily]:
     """Return the families of some root jobs with all that was made of their results, in the order of the roots.
@@ -147,27 +130,6 @@ def read_families(database: Database, roots: Sequence[str], owner: str | None = 
     for job in sorted((_place(job, places) for job in below), key=lambda one: (one.created, one.id)):
         families[family_of[job.id]].append(job)
     return [_arrange(found[root], families[root], tags.get(root, ())) for root in roots if root in found]
-
-
-@skip_damaged_rows
-def count_batch(database: Database, tag: str, owner: str | None = None) -> BatchCount:
-    """Count the families of a tag by how far they are; with `owner` only those of one key."""
-    is_open, is_unsuccessful = (
-        func.max(case((JobRow.state.in_(states), 1), else_=0)) for states in (OPEN, UNSUCCESSFUL)
-    )
-    statement = select(is_open.label("is_open"), is_unsuccessful.label("is_unsuccessful"))
-    statement = statement.join(JobTagRow, JobTagRow.job == JobRow.id).where(JobTagRow.tag == tag)
-    if owner is not None:
-        statement = statement.join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == owner)
-    families = statement.group_by(JobRow.family).subquery()
-    counted = select(families.c.is_open, families.c.is_unsuccessful, func.count()).group_by(
-        families.c.is_open, families.c.is_unsuccessful
-    )
-    counts = {"succeeded": 0, "failed": 0, "open": 0}
-    with database.read() as session:
-        for has_open, has_failed, number in session.execute(counted):
-            counts["open" if has_open else "failed" if has_failed else "succeeded"] += number
-    return BatchCount(**counts)
 
 
 def _place(job: GalleryJob, places: Mapping[str, Place]) -> GalleryJob:

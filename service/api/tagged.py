@@ -19,6 +19,7 @@ EXAMPLE = {
     "tag": "2026-11", "latest": 1795250000.1, "jobs": 12, "scans": 5,
     "states": {"failed": 2, "queued": 6, "running": 1, "succeeded": 3}, "share": 0.45, "left_seconds": 840.0,
     "verdicts": {"doubtful": 1, "pass": 2}, "garments": {"skirt": 1, "tshirt": 2}, "cpu_seconds": 213.4,
+    "families": {"succeeded": 1, "failed": 2, "open": 2},
 }  # fmt: skip
 FAILURE = {
     "job": "3685ecfd4f81", "family": "3685ecfd4f81", "name": "anna", "kind": "person", "state": "failed",

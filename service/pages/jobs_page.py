@@ -12,8 +12,9 @@ from fastapi.responses import JSONResponse
 from sqlalchemy import select
 
 from ..api.access import AppState, AppStateDependency
+from ..batches import BatchUnknown, find_batch
 from ..families import find_below
-from ..gallery import count_batch, read_families
+from ..gallery import read_families
 from ..models import JobRow, OwnerRow
 from ..query import TAG, Condition, JobQuery, find_families, find_roots
 from ..records import JobReport
@@ -127,8 +128,12 @@ def list_selection(
 
 
 def _draw_batch(rooms: AppState, query: JobListQuery, owner: str | None, may_submit: bool) -> Html:
-    tag = query.chosen.get(TAG)
-    return draw_batch(tag, count_batch(rooms.database, tag, owner), may_submit) if tag else Html()
+    """Return the head of the tag by which the list is filtered; nothing where there is none, or no job has it."""
+    try:
+        batch = find_batch(rooms.database, query.chosen[TAG], owner)
+    except (KeyError, BatchUnknown):
+        return Html()
+    return draw_batch(batch, may_submit)
 
 
 def _draw_gallery(rooms: AppState, query: JobListQuery, owner: str | None) -> tuple[Html, str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..gallery import BatchCount
+from ..batch_records import Batch, FamilyCount
 from .actions import DIALOG
 from .markup import Html, html, join
 
@@ -19,14 +19,13 @@ def draw_selection() -> Html:
     return html("{}{}", html(SELECTION), html(DIALOG, formats=formats))
 
 
-def draw_batch(tag: str, count: BatchCount, may_submit: bool) -> Html:
-    """Return how far the families of a tag are; nothing if there are none."""
-    if not count.total:
-        return Html()
-    done = count.succeeded + count.failed
+def draw_batch(batch: Batch, may_submit: bool) -> Html:
+    """Return how far the families of a batch are."""
+    count = batch.families or FamilyCount()
     export = html('<button type="button" id="export-all">Export all…</button>') if may_submit else Html()
-    return html(BATCH, tag=tag, succeeded=count.succeeded, failed=count.failed, open=count.open, done=done,
-                total=count.total, export=export, bad="bad" if count.failed else "")  # fmt: skip
+    return html(BATCH, tag=batch.tag, succeeded=count.succeeded, failed=count.failed, open=count.open,
+                done=count.succeeded + count.failed, total=count.total, export=export,
+                bad="bad" if count.failed else "")  # fmt: skip
 
 
 SELECTION = """<section id="selection" class="selection" hidden aria-label="Selection">
@@ -35,6 +34,7 @@ SELECTION = """<section id="selection" class="selection" hidden aria-label="Sele
 <button type="button" data-action="none">Select none</button><span class="gap"></span>
 <button type="button" data-action="rename">Rename…</button>
 <button type="button" data-action="tag">Add a tag…</button>
+<button type="button" data-action="priority">Priority…</button>
 <button type="button" data-action="export">Export…</button>
 <button type="button" data-action="retry">Try again</button>
 <button type="button" data-action="cancel">Cancel</button>

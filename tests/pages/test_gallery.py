@@ -10,7 +10,9 @@ import httpx
 import numpy as np
 import pytest
 from gallery_families import SCAN, SKIN, add_job, add_person, keep_sheet
-from garmentq.service.gallery import BatchCount, count_batch, read_families
+from garmentq.service.batch_records import FamilyCount
+from garmentq.service.batches import BatchUnknown, find_batch
+from garmentq.service.gallery import read_families
 from garmentq.service.keys import create_key
 from garmentq.service.pages import control_words
 from garmentq.service.pages.control_words import speak_of_controls
@@ -151,9 +153,10 @@ def test_a_batch_is_counted_by_families(own_site):
     add_job(services, "done", tags=("b",), state=State.SUCCEEDED, owner=hers.id)
     opened = add_job(services, "open", tags=("b",), state=State.SUCCEEDED, owner=hers.id)
     add_job(services, "upper", "recover", parent=opened, tags=("b",), owner=hers.id)
-    assert count_batch(services.database, "b") == BatchCount(1, 1, 1)
-    assert count_batch(services.database, "b", hers.id) == BatchCount(1, 0, 1)
-    assert count_batch(services.database, "b", his.id).total == 0
+    assert find_batch(services.database, "b").families == FamilyCount(1, 1, 1)
+    assert find_batch(services.database, "b", hers.id).families == FamilyCount(1, 0, 1)
+    with pytest.raises(BatchUnknown):
+        find_batch(services.database, "b", his.id)
 
 
 def test_pages_speak_of_controls(page):

@@ -96,6 +96,34 @@ def test_a_family_is_renamed_and_tagged(page, site, five):
     assert (job.name, job.tags) == ("Frau Müller", sorted([tag, "second fitting"]))
 
 
+def test_the_priority_of_families_is_changed(page, site, five):
+    """Broken where a job that was not chosen changes, a number out of the range or none is sent, or the field hides
+    what the priority is."""
+    tag, jobs = five
+    page.goto(f"/?tag={tag}")
+    page.get_by_label("Select 4 of five").check()
+    page.get_by_label("Select 3 of five").check()
+    field, change = page.get_by_role("dialog").get_by_label("Priority"), page.get_by_role("button", name="Priority…")
+    change.click()
+    assert field.input_value() == "0"
+    for wrong in ("101", "", "1.5"):
+        field.fill(wrong)
+        page.keyboard.press("Enter")
+        assert page.get_by_role("dialog").is_visible()
+    field.fill("-7")
+    page.keyboard.press("Enter")
+    page.get_by_text("2 of 2 changed").wait_for()
+    assert [find_job(site.services.database, job).priority for job in jobs] == [-7, -7, 0, 0, 0]
+    page.get_by_label("Select 2 of five").check()
+    change.click()
+    assert field.input_value() == ""
+    page.keyboard.press("Escape")
+    page.get_by_label("Select 2 of five").uncheck()
+    page.get_by_label("Select 3 of five").uncheck()
+    page.get_by_role("button", name="Rename…").click()
+    assert page.get_by_role("dialog").get_by_label("Name").get_attribute("type") == "text"
+
+
 def test_exports_of_a_batch_are_queued_and_offered(page, site):
     """Broken where a garment of the batch is left out, one that failed is exported, or no file is offered."""
     from garmentq.service.models import JobRow

@@ -2,8 +2,9 @@
 import { find } from './dom.js';
 
 /**
- * Ask for a confirmation, with a text or a format where the action needs one.
- * @param {{title: string, text: string, button: string, label?: string, value?: string, hasFormat?: boolean, isDanger?: boolean}} words
+ * Ask for a confirmation, with a text, a whole number of a range, or a format where the action needs one.
+ * @param {{title: string, text: string, button: string, label?: string, value?: string, range?: [number, number], hasFormat?: boolean,
+ *   isDanger?: boolean}} words
  * @returns {Promise<{text: string, format: string}|null>} null: it was closed
  */
 export function chooseInDialog(words) {
@@ -13,7 +14,8 @@ export function chooseInDialog(words) {
   find('#dialog-text', dialog).textContent = words.text;
   field.hidden = words.label === undefined;
   find('span', field).textContent = words.label ?? '';
-  input.value = words.value ?? '';
+  const [min, max] = words.range ?? ['', ''];
+  Object.assign(input, { type: words.range ? 'number' : 'text', min, max, required: Boolean(words.range), value: words.value ?? '' });
   format.hidden = !words.hasFormat;
   button.textContent = words.button;
   button.classList.toggle('danger', Boolean(words.isDanger));

@@ -14,6 +14,9 @@ const EXPORT_PERIOD_MS = 1000;
 /** Largest number of jobs in one request. */
 const MOST_JOBS = 1000;
 
+/** Lowest and highest priority of a job. */
+const PRIORITIES = [-100, 100];
+
 const OPEN = new Set(['waiting', 'queued', 'running']);
 
 /** Names of the chosen families by the ids of their first jobs; those of other pages of the filter, too. */
@@ -79,6 +82,7 @@ async function act(action) {
   if (action === 'export') await exportAll(families);
   if (action === 'rename') await rename(families[0]);
   if (action === 'tag') await tagEach(families);
+  if (action === 'priority') await order(families);
   if (action === 'delete') await remove(families);
   showBar();
 }
@@ -97,6 +101,16 @@ async function tagEach(families) {
   const done = await chooseInDialog({ title: 'Add a tag', text, button: 'Add', label: 'Tag', value: '' });
   if (!done?.text) return;
   await runEach(families, 'tagged', (job) => addTag(job, done.text));
+}
+
+/** Change the priority of families; the field begins with theirs if all have the same. @param {[string, string][]} families */
+async function order(families) {
+  const { jobs } = await postJson('/v1/jobs/states', { jobs: families.slice(0, MOST_JOBS).map(([job]) => job) });
+  const own = new Set(jobs.map((job) => job.priority)), [low, high] = PRIORITIES;
+  const text = `From ${low} to ${high}; among waiting jobs of the same sort the largest goes first. It applies to all jobs of a person or garment.`;
+  const done = await chooseInDialog({ title: 'Change the priority', text, button: 'Change', label: 'Priority', value: own.size === 1 ? String([...own][0]) : '',
+    range: [low, high] });
+  if (done) await runEach(families, 'changed', (job) => patchJson(`/v1/jobs/${job}`, { priority: Number(done.text) }));
 }
 
 /** @param {[string, string][]} families */
