@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import Field, dataclass, field, fields
+from datetime import UTC, datetime
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
@@ -53,6 +54,17 @@ class JsonRecord:
     def as_json(self) -> dict[str, Any]:
         """Return the record as JSON values, the same keys for every state."""
         return {get_json_name(item): _show(getattr(self, item.name)) for item in fields(self)}  # type: ignore[arg-type]
+
+
+def format_time(seconds: float | None) -> str | None:
+    """Return a time [s since 1970] in UTC as ISO 8601 to the millisecond, or None for none, or one of no calendar."""
+    if seconds is None:
+        return None
+    try:
+        found = datetime.fromtimestamp(seconds, UTC)
+    except (OverflowError, OSError, ValueError):
+        return None
+    return found.isoformat(timespec="milliseconds").replace("+00:00", "Z")
 
 
 def get_json_name(item: Field[Any]) -> str:
@@ -224,7 +236,8 @@ class Delay(JsonRecord):
 
 @dataclass(frozen=True)
 class Job(JsonRecord):
-    """Describe the progress of a job: `progress` of its stage, `overall` of the whole, 0..1; times in s since 1970.
+    """Describe the progress of a job: `progress` of its stage, `overall` of the whole, 0..1; times in s since 1970, and
+    those that end in `_at` the same in UTC as ISO 8601, to the millisecond: `2026-11-30T09:15:00.000Z`.
 
     `expected_end` is when a running job should end, estimated from earlier jobs of its kind.
     `family` is the id of the root job, its own for a root, which has no `parent`; `verdict` is the worst of its gates,
@@ -251,6 +264,14 @@ class Job(JsonRecord):
     delay: Delay | None = None
     overall: float = 0.0
     expected_end: float | None = None
+    created_at: str | None = None
+    started_at: str | None = None
+    finished_at: str | None = None
+
+    def __post_init__(self) -> None:
+        """Write the times as texts, whatever an answer had."""
+        for name in ("created", "started", "finished"):
+            object.__setattr__(self, f"{name}_at", format_time(getattr(self, name)))
 
     @classmethod
     def from_row(cls, row: JobRow) -> Job:
@@ -358,7 +379,7 @@ class JobReport(Job):
 
 def _read_row(row: JobRow) -> dict[str, Any]:
     """Return the fields of a `Job` from its row."""
-    other_columns = ("error", "progress", "delay", "overall")
+    other_columns = ("error", "progress", "delay", "overall", "created_at", "started_at", "finished_at")
     kept = {item.name: getattr(row, item.name) for item in fields(Job) if item.name not in other_columns}
     error = Failure(row.error_code, row.error_message or "") if row.error_code else None
     rests = row.state == State.QUEUED and row.delay_code is not None and row.not_before is not None

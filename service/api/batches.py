@@ -26,6 +26,7 @@ BRIEF = {
     "job": "3685ecfd4f81", "name": "skirt", "state": "running", "stage": "drape", "progress": 0.4, "attempts": 1,
     "overall": 0.34, "expected_end": 1795250041.5,
     "created": 1795250000.1, "started": 1795250000.4, "finished": None, "error": None, "bad_input": False,
+    "created_at": "2026-11-21T08:33:20.100Z", "started_at": "2026-11-21T08:33:20.400Z", "finished_at": None,
     "queue": "cpu", "priority": 0, "verdict": None, "kind": "recover", "parent": None, "family": "3685ecfd4f81",
     "delay": None,
 }  # fmt: skip

@@ -47,7 +47,9 @@ router = APIRouter(prefix="/jobs", tags=["jobs"])
 EXAMPLE = {
     "job": "3685ecfd4f81", "name": "skirt", "state": "succeeded", "stage": "measure", "progress": 1.0, "attempts": 1,
     "overall": 1.0, "expected_end": None,
-    "created": 1795250000.1, "started": 1795250000.4, "finished": 1795250071.9, "error": None, "garment": "skirt",
+    "created": 1795250000.1, "started": 1795250000.4, "finished": 1795250071.9,
+    "created_at": "2026-11-21T08:33:20.100Z", "started_at": "2026-11-21T08:33:20.400Z",
+    "finished_at": "2026-11-21T08:34:31.900Z", "error": None, "garment": "skirt",
     "template": "skirt", "fabric": "cotton_poplin", "body": "builtin:female,height=1.70", "bad_input": False,
     "queue": "cpu", "priority": 0, "verdict": "pass",
     "settings": {"method": "deform", "fabric": "cotton_poplin"}, "version": __version__,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from datetime import datetime
+
 import pytest
 from garmentq.service.queue_records import Queue
 from garmentq.service.records import Failure, JobReport, Key
@@ -29,6 +31,14 @@ def test_a_response_of_another_version_is_read():
     assert Queue.from_json({"states": {"queued": 3}, "workers": []}) == Queue({State.QUEUED: 3}, [], [], 0.0)
     key = Key.from_json({"key": "k", "name": "n", "scopes": [], "quota": 3, "created": 1, "revoked": None})
     assert (key.id, key.priority, key.as_json()["key"]) == ("k", 0, "k")
+
+
+def test_times_are_texts_too():
+    """Broken where a time's text is of another time or zone, or a server can give one that differs from its number."""
+    report = JobReport.from_json({**REPORT, "created": 1_764_500_000.25, "created_at": "1999-01-01T00:00:00Z"})
+    assert (report.created_at, report.finished_at) == ("2025-11-30T10:53:20.250Z", None)
+    assert datetime.fromisoformat(report.created_at).timestamp() == 1_764_500_000.25
+    assert JobReport.from_json({**REPORT, "created": 1e30}).created_at is None
 
 
 @pytest.mark.parametrize(
