@@ -49,10 +49,11 @@ nightly: $(VENV)/.installed-test
 	$(PYTEST) -m nightly
 
 # The golden scenes' numbers of today are what is right from now on: make accept REASON="..." [SCENES="edit export"]
+# With MACHINE=1 they stay, and may be off as far as on this machine.
 REASON ?=
 SCENES ?=
 accept: $(VENV)/.installed-test
-	PYTHONPATH=benchmarks $(BIN)/python tests/golden/accept.py --reason "$(REASON)" $(SCENES:%=--scene %)
+	PYTHONPATH=benchmarks $(BIN)/python tests/golden/accept.py --reason "$(REASON)" $(SCENES:%=--scene %) $(if $(MACHINE),--machine)
 
 # Which kernels `garmentq doctor --warm` compiles, and for which types: those that the golden scenes call are added.
 kernels: $(VENV)/.installed-test

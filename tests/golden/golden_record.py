@@ -71,6 +71,31 @@ def _tolerate(name: str, value: float, others: Iterable[float]) -> float:
     return float(np.float32(max(SPREADS * spread, LEAST_SHARE * abs(value), least)))
 
 
+def widen(record: dict[str, Any], scene: str, found: Measured, reason: str) -> list[str]:
+    """Let a scene's numbers be off as far as another machine's are, and return the lines of what changed.
+
+    The accepted values stay; the run counts as one more of the scatter. Words that differ are compared no more.
+
+    Args:
+        record: The golden file.
+        scene: The scene.
+        found: What the other machine measures.
+        reason: Kept beside the changes.
+    """
+    entry, changes = record["scenes"][scene], {}
+    for one in compare(scene, entry, found):
+        if isinstance(one.accepted, float) and isinstance(one.found, float):
+            tolerance = _tolerate(one.name, one.accepted, (one.found,))
+            changes[f"{one.name}: tolerance"] = [one.tolerance, tolerance]
+            entry["numbers"][one.name]["tolerance"] = tolerance
+        elif isinstance(one.accepted, str):
+            changes[f"{one.name}: no longer compared"] = [one.accepted, one.found]
+            del entry["words"][one.name]
+    if changes:
+        record["history"].append({"scene": scene, "reason": reason, "changes": changes})
+    return [f"{scene}: {name} {old} -> {new}" for name, (old, new) in changes.items()]
+
+
 def compare(scene: str, entry: Mapping[str, Any], found: Measured) -> list[Deviation]:
     """Return what a run has beyond what its scene's entry allows; a name that is missing counts."""
     wrong: list[Deviation] = []

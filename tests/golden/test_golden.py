@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from garmentq.workers.kernels import read_table
 from golden_numbers import Measured
-from golden_record import accept, compare, describe_scatter, load_record
+from golden_record import accept, compare, describe_scatter, load_record, widen
 from golden_scenes import SCENES, SCENES_FOLDER, Shift, list_provenance
 from kernel_calls import record_calls
 
@@ -89,3 +89,15 @@ def test_what_is_accepted_is_kept_with_old_value_and_reason():
         {"scene": "s", "reason": "first", "changes": "new"},
         {"scene": "s", "reason": "wider", "changes": {"a_cm": [1.0, 2.0]}},
     ]
+
+
+def test_another_machine_widens_what_is_allowed():
+    """Broken where a run on another processor moves an accepted value, or leaves no trace of what it changed."""
+    record = {"scenes": {"s": describe_scatter([Measured({"a_cm": 100.0, "b_cm": 5.0}, {"cut": "x"})])}, "history": []}
+    found = Measured({"a_cm": 101.0, "b_cm": 5.0}, {"cut": "y"})
+    assert len(widen(record, "s", found, "a processor of 2026")) == 2
+    entry = record["scenes"]["s"]
+    assert entry["numbers"]["a_cm"] == {"value": 100.0, "tolerance": 5.0} and entry["words"] == {}
+    assert entry["numbers"]["b_cm"]["tolerance"] == pytest.approx(0.02)
+    assert compare("s", entry, found) == [] and widen(record, "s", found, "again") == []
+    assert [told["reason"] for told in record["history"]] == ["a processor of 2026"]
