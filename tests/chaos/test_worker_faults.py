@@ -79,6 +79,7 @@ def left_folders(settings, job: str) -> list[Path]:
     return list((settings.home / "work").glob(f"{job}-*"))
 
 
+@SQLITE_BY_DAY
 @pytest.mark.slow
 def test_r1_killed_child(settings, database, queue_job, start_worker, marks):
     """Broken where a crash that the parent saw waits for the lease, begins anew, tells no signal or leaves files."""
@@ -161,6 +162,7 @@ def test_a_cancelled_job_leaves_its_process(settings, database, queue_job, start
     assert "Traceback" not in (settings.home / "worker.log").read_text(encoding="utf-8", errors="replace")
 
 
+@SQLITE_BY_DAY
 @pytest.mark.slow
 def test_r4_zombie(settings, database, queue_job, start_worker, marks):
     """Broken where a stopped process that wakes up after its lease writes over its successor."""

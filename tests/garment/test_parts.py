@@ -159,7 +159,7 @@ def many_cuts() -> dict[str, Cut]:
     return found
 
 
-@pytest.mark.parametrize("share", [5, pytest.param(1, marks=pytest.mark.nightly)])
+@pytest.mark.parametrize("share", [15, pytest.param(1, marks=pytest.mark.nightly)])
 def test_every_combination_drafts_or_says_why_not(share):
     """Breaks where a part does not meet another: a crossing outline, unequal seams, an edge without name or partner."""
     drafted = refused = 0

@@ -141,6 +141,7 @@ def test_what_cannot_be_sewn_or_meshed_is_shown_where_it_is(editor, site):
     assert find_waiting(site) == []
 
 
+@pytest.mark.nightly
 def test_two_people_edit_one_result_at_once(open_window, own_site, quick):
     """Broken where a version is lost or overwrites another one, and where a key sees or changes what is another's."""
     site, database, first = own_site, own_site.services.database, own_site.result

@@ -28,7 +28,7 @@ from garmentq.service.kinds.recover_request import READING, FileRef, RecoverRequ
 from garmentq.service.results import report_jobs
 from garmentq.service.settings import CHECKER
 from garmentq.workers.recovery import run_job
-from garmentq_home import wait_for
+from garmentq_home import SQLITE_BY_DAY, wait_for
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "api"))
 from bad_files import FILES
@@ -112,6 +112,7 @@ def test_what_was_handed_over_is_not_believed(tmp_path, request_of):
         load_reading(path)
 
 
+@SQLITE_BY_DAY
 def test_the_job_shows_what_was_read_or_why_not(settings, database, queue_job):
     """Broken where the first stage's findings or its refusal do not reach the job's row."""
     good, greedy, odd = queue_job("good"), queue_job("greedy"), queue_job("odd")

@@ -124,7 +124,7 @@ def test_told_while_it_starts(settings, start, begun):
     wait_for(lambda: gone(settings))
 
 
-@pytest.mark.parametrize("number", STOPS, ids=lambda one: one.name)
+@pytest.mark.parametrize("number", BY_DAY, ids=lambda one: one.name)
 def test_a_worker_gives_its_job_back(settings, start, queue_job, number):
     """Broken where a worker's end by any signal, told twice and to all its processes, is its job's fault."""
     process = start("worker", "--workers", "1", start_new_session=True)
@@ -137,7 +137,7 @@ def test_a_worker_gives_its_job_back(settings, start, queue_job, number):
     assert (row.state, row.attempts, row.error_message) == ("queued", 0, None)
 
 
-@pytest.mark.parametrize("number", STOPS, ids=lambda one: one.name)
+@pytest.mark.parametrize("number", BY_DAY, ids=lambda one: one.name)
 def test_the_api_alone_stops(settings, start, number):
     """Broken where `serve` dies of a signal in place of ending."""
     port = find_port()
