@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,8 +14,10 @@ import click
 from .options import gather, json_option, known_home_option
 
 if TYPE_CHECKING:
+    from ..service.database import Database
     from ..service.deletion import Deleted
-    from ..service.persons import Person, PersonJob
+    from ..service.persons import Person, PersonDeleted, PersonJob
+    from ..service.services import Services
 
 UNITS = {"h": 3600.0, "d": 86400.0, "w": 7 * 86400.0}
 
@@ -67,34 +69,19 @@ def command(
       garmentq delete --batch 2026-11
       garmentq delete --person anna --dry-run
     """
-    from dataclasses import asdict
-
-    from ..service.deletion import delete_jobs, find_dependent_jobs, find_old_families, find_tagged_families
-    from ..service.jobs import find_job
-    from ..service.persons import delete_person, delete_subject, describe_jobs
+    from ..service.deletion import delete_jobs, find_dependent_jobs
+    from ..service.persons import describe_jobs
     from ..service.services import open_services
     from ..service.settings import read_settings
     from .confirm import confirm_deletion
     from .terminal import print_json, print_note
 
-    if sum((bool(jobs), *(value is not None for value in asdict(options).values()))) != 1:
-        raise click.UsageError("Give jobs, --older-than, --batch, --subject, --family or --person.")
     services = open_services(read_settings(home=home))
     database, store = services.database, services.store
     try:
-        erase = None
-        if options.person is not None:
-            erase = partial(delete_person, database, store, options.person)
-        elif options.subject is not None:
-            erase = partial(delete_subject, database, store, options.subject)
+        erase = find_erasure(services, options)
+        chosen = choose_jobs(database, jobs, options)
         found = None if erase is None else erase(is_dry_run=True).found
-        chosen = [find_job(database, job).id for job in jobs]
-        if options.family is not None:
-            chosen = [find_job(database, options.family).family]
-        elif options.batch is not None:
-            chosen = find_tagged_families(database, options.batch)
-        elif options.older_than is not None:
-            chosen = find_old_families(database, _seconds(options.older_than))
         if found is None and not chosen:
             print_note("nothing to delete")
             return
@@ -114,6 +101,42 @@ def command(
         print_json(asdict(done))
     else:
         show_deleted(done)
+
+
+def choose_jobs(database: Database, jobs: Sequence[str], options: DeletionOptions) -> list[str]:
+    """Return the jobs that a command names; of a person all.
+
+    Raises:
+        UsageError: unless they are named in exactly one way.
+    """
+    from ..service.deletion import find_old_families, find_tagged_families
+    from ..service.jobs import find_job
+    from ..service.persons import find_person, find_subject_data
+
+    if sum((bool(jobs), *(value is not None for value in asdict(options).values()))) != 1:
+        raise click.UsageError("Give jobs, --older-than, --batch, --subject, --family or --person.")
+    if options.person is not None:
+        return [one.job for one in find_person(database, options.person).jobs]
+    if options.subject is not None:
+        return [one.job for one in find_subject_data(database, options.subject).jobs]
+    if options.family is not None:
+        return [find_job(database, options.family).family]
+    if options.batch is not None:
+        return find_tagged_families(database, options.batch)
+    if options.older_than is not None:
+        return find_old_families(database, _seconds(options.older_than))
+    return [find_job(database, job).id for job in jobs]
+
+
+def find_erasure(services: Services, options: DeletionOptions) -> Callable[..., PersonDeleted] | None:
+    """Return the function that deletes all of a person, not only jobs; None where no person is named."""
+    from ..service.persons import delete_person, delete_subject
+
+    if options.person is not None:
+        return partial(delete_person, services.database, services.store, options.person)
+    if options.subject is not None:
+        return partial(delete_subject, services.database, services.store, options.subject)
+    return None
 
 
 def show_deleted(done: Deleted) -> None:

@@ -12,7 +12,7 @@ import shutil
 import sqlite3
 import tarfile
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -79,7 +79,11 @@ class BackupContents:
 
 
 def make_backup(
-    settings: ServiceSettings, destination: Path, is_overwrite: bool = False, has_files: bool = True
+    settings: ServiceSettings,
+    destination: Path,
+    is_overwrite: bool = False,
+    has_files: bool = True,
+    keep: Callable[[Path], None] | None = None,
 ) -> BackupContents:
     """Write a backup while the services run.
 
@@ -91,6 +95,7 @@ def make_backup(
         destination: The tar file.
         is_overwrite: Replace the file if it exists.
         has_files: Copy the stored files, too; otherwise the backup only names them.
+        keep: Called with the copy of the database, an SQLite file, to delete from it what is not saved.
 
     Raises:
         BackupRefused: if there is no database, or the file exists.
@@ -104,7 +109,7 @@ def make_backup(
     descriptor, partial = tempfile.mkstemp(prefix=f".{destination.name}.", dir=destination.parent)
     try:
         with os.fdopen(descriptor, "wb") as stream:
-            saved = _write(settings, (source, destination), stream, has_files)
+            saved = _write(settings, (source, destination), stream, has_files, keep)
             stream.flush()
             os.fsync(stream.fileno())
         os.replace(partial, destination)
@@ -112,6 +117,22 @@ def make_backup(
         os.unlink(partial)
         raise
     return saved
+
+
+def read_backup(source: Path) -> BackupContents:
+    """Read a backup to its end, and check each file against its hash; nothing is kept of it.
+
+    Raises:
+        BackupDamaged: if a file is missing, changed, or does not belong in a backup.
+    """
+    with tempfile.TemporaryDirectory(prefix=".read-", dir=source.parent) as folder:
+        snapshot = Path(folder) / DATABASE
+        with _open_tar(source) as archive:
+            members = _read_members(archive, Store(Path(folder) / "store"), snapshot)
+        named, rows = _check_snapshot(snapshot)
+    return BackupContents(
+        source, len(named & members.files), members.size, tuple(sorted(named - members.files)), rows=rows
+    )
 
 
 def restore_backup(settings: ServiceSettings, source: Path, is_overwrite: bool = False) -> BackupContents:
@@ -208,7 +229,11 @@ def _copy_database(settings: ServiceSettings, source: Path | None, snapshot: Pat
 
 
 def _write(
-    settings: ServiceSettings, places: tuple[Path | None, Path], stream: IO[bytes], has_files: bool
+    settings: ServiceSettings,
+    places: tuple[Path | None, Path],
+    stream: IO[bytes],
+    has_files: bool,
+    keep: Callable[[Path], None] | None,
 ) -> BackupContents:
     """Write the members of a backup; `places` are the database's file, if it has one, and the backup."""
     store, (source, destination) = open_store(settings), places
@@ -217,6 +242,8 @@ def _write(
     with tempfile.TemporaryDirectory(dir=destination.parent) as folder, tarfile.open(fileobj=stream, mode="w") as tar:
         snapshot = Path(folder) / DATABASE
         _copy_database(settings, source, snapshot)
+        if keep is not None:
+            keep(snapshot)
         with closing(sqlite3.connect(snapshot)) as copy:
             copy.execute("pragma journal_mode = delete")  # one file, no log beside it
         tar.add(snapshot, DATABASE, recursive=False)

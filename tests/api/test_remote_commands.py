@@ -105,7 +105,12 @@ def test_every_command_works_or_says_why_not(remote, cli, settings):
     }  # fmt: skip
     files_only = {"inspect", "segment", "bodies", "bench", "completion", "man"}  # of this machine, as they are
     assert asked | files_only | set(LOCAL_COMMANDS) == set(COMMANDS) and not (asked | files_only) & set(LOCAL_COMMANDS)
-    words = {"db": ["db", "upgrade"], "backup": ["backup", "x.tar"], "restore": ["restore", "x.tar"]}
+    words = {
+        "db": ["db", "upgrade"],
+        "backup": ["backup", "x.tar"],
+        "archive": ["archive", "x.tar"],
+        "restore": ["restore", "x.tar"],
+    }
     before = sorted(settings.home.rglob("*"))
     for name in LOCAL_COMMANDS:
         done = remote(*words.get(name, [name]))
