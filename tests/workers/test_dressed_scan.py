@@ -57,7 +57,7 @@ def test_each_garment_of_a_scan_is_recovered(garments, tmp_path, blank_database,
     try:
         done = cli("submit", person, *chosen, *"--method deform --vertices 500 --wait".split())
         assert done.returncode == 0, done.stderr
-        jobs = done.stdout.split()
+        jobs = [line.split()[0] for line in done.stdout.splitlines()]
         found = [json.loads(cli("result", job, "--json").stdout) for job in jobs]
     finally:
         stop_services(settings)
