@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 
+import numpy as np
 from fastapi import Response
 
 from ...core.people.colours import COLOURS, SURE, UNSURE
 from ...core.people.part import PARTS
-from ..api.access import AppStateDependency, find_own
+from ..api.access import AppState, AppStateDependency, find_own
 from ..derived import InputWrong
+from ..models import BodyRow
 from ..submission import PERSON_KIND
 from .markup import Html, html, join
 from .page_route import make_router
@@ -27,7 +29,7 @@ def show_labels(job: str, rooms: AppStateDependency, visitor: VisitorOf) -> Resp
         raise InputWrong(f"job {row.id} is a job '{row.kind}'; only a job '{PERSON_KIND}' has labels.")
     data = {
         "parts": [{"value": int(part), "word": part.word, "colour": COLOURS[part]} for part in PARTS],
-        "unsure": UNSURE.tolist(), "sure": SURE.tolist(),
+        "unsure": UNSURE.tolist(), "sure": SURE.tolist(), "plane": _find_sagittal_plane(rooms, row.id),
     }  # fmt: skip
     parts = join(
         html(PART, value=int(part), word=part.word, checked=Html(" checked" if n == 0 else ""), key=n + 1)
@@ -37,9 +39,26 @@ def show_labels(job: str, rooms: AppStateDependency, visitor: VisitorOf) -> Resp
     return draw_shell(f"Labels of {row.name}", content, visitor, ["labels/main.js"])
 
 
+def _find_sagittal_plane(rooms: AppState, job: str) -> dict[str, list[float]] | None:
+    """Return a point [m] between a person's hips and shoulders, and the unit vector to their left; None if unknown."""
+    with rooms.database.read() as session:
+        body = session.get(BodyRow, job)
+    sides = [[(body.joints if body else {}).get(f"{side}_{joint}") for joint in TRUNK] for side in ("left", "right")]
+    if any(place is None for side in sides for place in side):
+        return None
+    left, right = (np.mean(side, axis=0) for side in sides)
+    width = float(np.linalg.norm(left - right))
+    if not width > 0.0:
+        return None
+    return {"point": ((left + right) / 2.0).tolist(), "normal": ((left - right) / width).tolist()}
+
+
+TRUNK = ("hip", "shoulder")
+"""Joints between whose left and right ones the sagittal plane lies."""
+
 PART = """<label><input type="radio" name="part" value="{value}"{checked}>
 <span class="swatch" data-part="{value}"></span> {word} <kbd>{key}</kbd>
-<span class="soft" data-count="{value}"></span></label>"""
+<span class="counts soft"><span data-unsure="{value}"></span> <span data-count="{value}"></span></span></label>"""
 
 CONTENT = """<link rel="stylesheet" href="/static/labels/labels.css">
 <h1>Labels of {name}</h1>
@@ -47,7 +66,8 @@ CONTENT = """<link rel="stylesheet" href="/static/labels/labels.css">
 same scan; <a href="/results/{job}">job {job}</a> does not change.</p>
 <div id="problem"></div>
 <div id="labels" data-job="{job}" data-told="{told}">
-<div class="view"><div id="scene"></div><div id="aim" aria-hidden="true"></div>
+<div class="view"><div id="scene"></div><svg id="outline" aria-hidden="true"><polygon/><polygon/></svg>
+<div id="aim" aria-hidden="true"></div>
 <p id="said" role="status" class="soft">Loading the scan.</p></div>
 <div class="tools">
 <fieldset><legend>Colours</legend>
@@ -61,6 +81,7 @@ same scan; <a href="/results/{job}">job {job}</a> does not change.</p>
 <fieldset id="tool"><legend>Tool</legend>
 <label><input type="radio" name="tool" value="look" checked> look <kbd>L</kbd></label>
 <label><input type="radio" name="tool" value="brush"> brush <kbd>B</kbd></label>
+<label><input type="radio" name="tool" value="lasso"> lasso <kbd>O</kbd></label>
 <label><input type="radio" name="tool" value="fill"> fill <kbd>F</kbd></label>
 <label><input type="radio" name="tool" value="ring"> ring <kbd>R</kbd></label>
 <label class="own" data-tool="brush">radius <input id="radius" type="range" min="5" max="120" value="25">
@@ -68,6 +89,10 @@ same scan; <a href="/results/{job}">job {job}</a> does not change.</p>
 <div class="row own" data-tool="ring"><button type="button" id="up">Up 5 mm</button>
 <button type="button" id="down">Down 5 mm</button></div></fieldset>
 <fieldset id="part"><legend>Part to paint</legend>{parts}</fieldset>
+<fieldset id="mirror"><legend>Copy to the wearer's other side</legend><div class="row">
+<button type="button" id="mirror-last">Last change</button>
+<button type="button" id="mirror-left">Left to right</button>
+<button type="button" id="mirror-right">Right to left</button></div></fieldset>
 <div class="row"><button type="button" id="undo">Undo</button> <button type="button" id="redo">Redo</button></div>
 <p id="changed">Nothing is changed.</p>
 <div class="row"><button type="button" id="again" class="primary">Run again with these labels</button></div>
@@ -78,6 +103,6 @@ Letters, digits and Ctrl keys work on the whole page. With the view focused arro
 works at the cross in the middle,
 page up and page down move the ring, [ and ] change the brush, 1 to 8 choose the part, Ctrl+Z and Ctrl+Y undo and redo.
 </p>
-<p>Fill: paints all connected points that have the part of the place you press. Ring: press near the border of two
-parts; then move that border.</p></details>
+<p>Lasso: draw an outline around points; those that are visible get the part. Fill: paints all connected points that
+have the part of the place you press. Ring: press near the border of two parts; then move that border.</p></details>
 </div></div>"""

@@ -29,7 +29,8 @@ from garmentq.service.kinds.person_request import PersonRequest
 from garmentq.service.results import list_files, report_jobs, store_result
 from garmentq.service.submission import Order, submit
 from person_jobs import EXTRA, keep_person
-from shells import dress_in_shells
+from scipy.spatial import cKDTree
+from shells import dress_in_shells, separate_by_truth
 
 ROOT = "document.querySelector('#labels')"
 KEYS = {part: str(n + 1) for n, part in enumerate(PARTS)}
@@ -119,9 +120,14 @@ COLOURS_OF = f"[...{ROOT}.view.object.geometry.attributes.color.array]"
 
 def test_sides_are_shown_and_keys_work_without_the_view(labels):
     """Broken where a button shows another side of the wearer, whose left is +x, or a key needs the view's focus."""
-    labels.evaluate("document.activeElement.blur()")
-    labels.keyboard.press("f")
-    assert labels.locator('input[name="tool"][value="fill"]').is_checked()
+    for place in (None, "#undo", "#part input", "#radius", "summary", "[data-view]"):
+        labels.evaluate("place => place ? document.querySelector(place).focus() : document.activeElement.blur()", place)
+        for key, tool in (("f", "fill"), ("o", "lasso"), ("b", "brush"), ("r", "ring"), ("f", "fill")):
+            labels.keyboard.press(key)
+            assert labels.locator(f'input[name="tool"][value="{tool}"]').is_checked(), (place, key)
+        for part in (Part.UPPER, Part.SKIN):
+            labels.keyboard.press(KEYS[part])
+            assert labels.locator(f'input[name="part"][value="{int(part)}"]').is_checked(), (place, part)
     labels.keyboard.press("l")
     assert labels.locator("#unsure").inner_text().endswith("have a confidence of 0.5 or less.")
     offset = f"{ROOT}.view.viewer.camera.position.clone().sub({ROOT}.view.viewer.controls.target).normalize().toArray()"
@@ -196,6 +202,134 @@ def test_a_ring_moves_up_and_down(labels, shells):
     press(labels, "PageDown", "PageDown")
     assert set(shells.label[read_labels(labels) != shells.label]) <= {Part.LOWER}
     press(labels, "l")
+
+
+def draw_outline(page, places) -> None:
+    """Draw an outline through places on the screen, back to the first."""
+    page.mouse.move(*places[0])
+    page.mouse.down()
+    for x, y in [*places[1:], places[0]]:
+        page.mouse.move(x, y, steps=4)
+    page.mouse.up()
+
+
+def around(x: float, y: float, wide: float, high: float) -> list[tuple[float, float]]:
+    """Return the corners of a rectangle around a place [px]."""
+    return [(x - wide, y - high), (x + wide, y - high), (x + wide, y + high), (x - wide, y + high)]
+
+
+def test_a_lasso_paints_what_is_seen_in_it(labels, shells):
+    """Broken where a point outside the outline is painted, one inside is left, or one behind the surface is painted."""
+    labels.get_by_role("button", name="Front").click()
+    labels.evaluate("document.activeElement.blur()")
+    for key in ("o", KEYS[Part.HAIR]):
+        labels.keyboard.press(key)
+    x, y = where(labels, shells.points[find_front(shells, Part.UPPER, 1.2)])
+    draw_outline(labels, around(x, y, 25, 40))
+    found = np.flatnonzero(read_labels(labels) != shells.label)
+    screen = np.array(labels.evaluate(PLACES))
+    inside = (np.abs(screen - (x, y)) < (24, 39)).all(axis=1)
+    is_front = vertex_normals(shells.points, shells.faces)[:, 2] > 0.3
+    outside = (np.abs(screen - (x, y)) > (26, 41)).any(axis=1)
+    assert set(read_labels(labels)[found]) == {Part.HAIR} and not outside[found].any()
+    assert (inside & ~is_front).sum() > 20, "the back is in the outline too"
+    assert is_front[found].all() and len(found) > 20
+    assert set(np.flatnonzero(inside & is_front & (shells.points[:, 2] > 0.0))) <= set(found)
+    assert f"The {len(found)} visible points of the outline are hair." in labels.locator("#said").inner_text()
+    labels.mouse.move(x - 200, y)
+    labels.mouse.down()
+    labels.mouse.up()
+    assert "There is no point in the outline." in labels.locator("#said").inner_text()
+    labels.locator("#undo").click()
+    assert np.array_equal(read_labels(labels), shells.label)
+    press(labels, "Space")
+    assert "drawn with the pointer" in labels.locator("#said").inner_text()
+    press(labels, "l")
+
+
+PLACES = f"""(() => {{ const {{ positions }} = {ROOT}.painting.scan, found = [];
+for (let n = 0; n < positions.length; n += 3) found.push({ROOT}.view.viewer.project([...positions.subarray(n, n + 3)]));
+return found; }})()"""
+
+
+def test_a_lasso_works_by_touch(open_window, person, shells):
+    """Broken where a finger turns the view instead of drawing, or a second finger closes the outline."""
+    with open_window(has_touch=True, is_mobile=True, viewport={"width": 390, "height": 844}) as opened:
+        page = opened.new_page()
+        open_labels(page, person)
+        assert page.evaluate("document.documentElement.scrollWidth") <= 390
+        page.locator('input[value="lasso"]').check()
+        page.locator(f'input[name="part"][value="{int(Part.HAIR)}"]').check()
+        x, y = where(page, shells.points[find_front(shells, Part.UPPER, 1.2)])
+        fingers, places = opened.new_cdp_session(page), around(x, y, 15, 25)
+
+        def touch(kind: str, *at: tuple[float, float]) -> None:
+            points = [{"x": x, "y": y, "id": n} for n, (x, y) in enumerate(at)]
+            fingers.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+        touch("touchStart", places[0])
+        touch("touchMove", places[1])
+        touch("touchStart", places[1], (x, y + 90))
+        touch("touchEnd")
+        assert np.array_equal(read_labels(page), shells.label)
+        touch("touchStart", places[0])
+        for place in (*places[1:], places[0]):
+            touch("touchMove", place)
+        touch("touchEnd")
+        found = read_labels(page)
+        assert (found != shells.label).sum() > 10 and set(found[found != shells.label]) == {Part.HAIR}
+
+
+def test_labels_are_copied_to_the_other_side(labels, shells):
+    """Broken where the copy is of another place than the mirrored one, the source changes, or undo leaves a point."""
+    points, joints = shells.points, shells.body.joint
+    left, right = (
+        np.mean([joints(f"{side}_{at}") for at in ("hip", "shoulder")], axis=0) for side in ("left", "right")
+    )
+    normal = (left - right) / np.linalg.norm(left - right)
+    away = (points - (left + right) / 2.0) @ normal
+    nearest = cKDTree(points).query(points - 2.0 * away[:, None] * normal)[1]
+    assert labels.locator("#mirror-last").is_disabled()
+    press(labels, "b", KEYS[Part.HAIR])
+    labels.locator("#radius").fill("50")
+    aim = (shells.label == Part.UPPER) & (away > 0.06) & (vertex_normals(points, shells.faces)[:, 2] > 0.8)
+    labels.mouse.click(*where(labels, points[np.flatnonzero(aim)[np.abs(points[aim][:, 1] - 1.2).argmin()]]))
+    painted = read_labels(labels)
+    own = painted != shells.label
+    assert own.sum() >= 8 and (away[own] > 0.0).all()
+    labels.locator("#mirror-last").click()
+    found = read_labels(labels)
+    copied = (found != shells.label) & ~own
+    assert np.array_equal(found[own], painted[own]) and (away[copied] < 0.0).all()
+    expected = own[nearest] & ~own & (shells.label != Part.HAIR)
+    assert (copied == expected).mean() > 0.999 and copied.sum() >= 8
+    labels.locator("#undo").click()
+    assert np.array_equal(read_labels(labels), painted)
+    labels.locator("#mirror-left").click()
+    found = read_labels(labels)
+    assert np.array_equal(found[away > 0.0], painted[away > 0.0])
+    assert (found == painted[nearest])[away < -0.02].mean() > 0.99
+    assert "points on the other side are changed" in labels.locator("#said").inner_text()
+    labels.locator("#undo").click()
+    labels.locator("#mirror-right").click()
+    found = read_labels(labels)
+    assert np.array_equal(found[away < 0.0], painted[away < 0.0]) and not (found[own] == Part.HAIR).any()
+    press(labels, "Control+z", "Control+z", "l")
+    assert np.array_equal(read_labels(labels), shells.label) and labels.locator("#mirror-last").is_disabled()
+
+
+def test_unsure_points_are_counted_by_part(labels, shells):
+    """Broken where a part's number is another one's, or painted points still count as unsure."""
+    unsure = separate_by_truth(shells, EXTRA)[1].confidence[EXTRA:] <= 0.5
+    shown = lambda part: labels.locator(f'[data-unsure="{int(part)}"]').inner_text().replace(",", "")  # noqa: E731
+    for part in (Part.SKIN, Part.UPPER):
+        assert shown(part) == f"{(unsure & (shells.label == part)).sum()} unsure"
+    press(labels, "f", KEYS[Part.ONE_PIECE])
+    labels.mouse.click(*where(labels, shells.points[find_front(shells, Part.UPPER, 1.25)]))
+    assert shown(Part.UPPER) == shown(Part.ONE_PIECE) == ""
+    rest = int((unsure & (shells.label != Part.UPPER)).sum())
+    assert labels.locator("#unsure").inner_text().startswith(f"{rest:,} points")
+    press(labels, "Control+z", "l")
 
 
 def test_it_runs_again_as_a_new_job(labels, site, person, shells):

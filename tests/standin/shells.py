@@ -59,5 +59,5 @@ def separate_by_truth(shells: Shells, extra: int = 2) -> tuple[RawScan, Labelled
     raw = RawScan(shells.points, shells.faces, None, True, None, None, origin, place, name="shells")
     label = np.concatenate([np.full(extra, int(Part.OTHER)), shells.label]).astype(np.uint8)
     height = np.concatenate([np.ones(extra), shells.points[:, 1]])
-    sure = 0.55 + 0.45 * np.abs(np.sin(8.0 * height))
+    sure = 0.35 + 0.65 * np.abs(np.sin(8.0 * height))
     return raw, LabelledPerson(shells.body, label, sure, (), (), (), None)

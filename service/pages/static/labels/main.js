@@ -2,6 +2,8 @@
 
 import { getBytes, postJson, uploadFile } from '../api.js';
 import { find, make, showError } from '../dom.js';
+import { findEnclosed } from './lasso.js';
+import { mirror } from './mirror.js';
 import { writeNpy } from './npy.js';
 import { Painting } from './painting.js';
 import { readScan } from './scan.js';
@@ -14,8 +16,8 @@ const words = new Map(told.parts.map(({ value, word }) => [value, word]));
 /** How far a press of a button moves a ring [m]. */
 const RING_STEP = 0.005;
 
-/** Confidence up to which a point counts as unsure. */
-const LEAST = 0.5;
+/** How far the pointer moves from one corner of an outline to the next [px]. */
+const CORNER_STEP = 3;
 
 /** Run a function, and show its error if it fails. @param {() => unknown} work */
 async function attempt(work) {
@@ -44,12 +46,20 @@ function connect(painting, view) {
   const { canvas } = view, count = (n) => n.toLocaleString('en');
   const use = { brush, fill, ring };
   let isPainting = false;
+  /** @type {[number, number][]|null} the corners of the outline that is drawn [px] */
+  let outline = null;
 
   function show() {
     view.show();
     const { changed } = painting;
     find('#changed').textContent = changed ? `${count(changed)} of ${count(painting.scan.count)} points are changed.` : 'Nothing is changed.';
-    for (const { value } of told.parts) find(`[data-count="${value}"]`).textContent = count(painting.count(value));
+    const { all, unsure } = painting.count();
+    for (const { value } of told.parts) {
+      find(`[data-count="${value}"]`).textContent = count(all[value]);
+      find(`[data-unsure="${value}"]`).textContent = unsure[value] ? `${count(unsure[value])} unsure` : '';
+    }
+    if (painting.scan.confidence) find('#unsure').textContent = `${count(unsure.reduce((sum, n) => sum + n))} points have a confidence of 0.5 or less.`;
+    find('#mirror-last').disabled = !painting.chosen;
     find('#undo').disabled = !painting.done.length;
     find('#redo').disabled = !painting.undone.length;
     find('#again').disabled = !changed;
@@ -83,6 +93,34 @@ function connect(painting, view) {
     show();
   }
 
+  /** Add a corner to the outline. @param {PointerEvent} event */
+  function draw(event) {
+    const box = canvas.getBoundingClientRect(), at = [event.clientX - box.left, event.clientY - box.top], last = outline.at(-1);
+    if (!last || Math.hypot(at[0] - last[0], at[1] - last[1]) >= CORNER_STEP) outline.push(at);
+    showOutline();
+  }
+
+  function showOutline() {
+    for (const line of find('#outline').children) line.setAttribute('points', (outline ?? []).join(' '));
+  }
+
+  /** Paint what the outline encloses. */
+  function enclose() {
+    const points = findEnclosed(outline, painting.scan, view.screen), word = words.get(Number(chosen('part')));
+    outline = null;
+    showOutline();
+    painting.enclose(points, Number(chosen('part')));
+    say(points.length ? `The ${count(points.length)} visible points of the outline are ${word}.` : 'There is no point in the outline.');
+  }
+
+  /** Copy labels to the other side. @param {{from: 1|-1}|{chosen: ArrayLike<number>}} source */
+  function copyAcross(source) {
+    const { points, values, missing } = mirror(painting, told.plane, source), before = painting.label.slice();
+    painting.assign(points, values);
+    const changed = points.filter((n) => painting.label[n] !== before[n]).length;
+    say(`${count(changed)} points on the other side are changed.${source.from && missing ? ` ${count(missing)} have no counterpart within 4 cm and stay as they were.` : ''}`);
+  }
+
   /** Use the tool at a place on the screen. @param {{clientX: number, clientY: number}} place */
   function work(place) {
     const hit = view.pick(place);
@@ -93,6 +131,12 @@ function connect(painting, view) {
   canvas.addEventListener('pointerdown', (event) => {
     if (event.button || chosen('tool') === 'look' || !event.isPrimary) return;
     canvas.focus();
+    if (chosen('tool') === 'lasso') {
+      outline = [];
+      canvas.setPointerCapture(event.pointerId);
+      draw(event);
+      return;
+    }
     if (chosen('tool') === 'brush') {
       painting.begin();
       isPainting = true;
@@ -101,6 +145,7 @@ function connect(painting, view) {
     work(event);
   });
   canvas.addEventListener('pointermove', (event) => {
+    if (outline && event.isPrimary) draw(event);
     if (chosen('tool') !== 'brush') return;
     const hit = isPainting ? work(event) : view.pick(event);
     view.setBrush(hit?.at ?? null, radius());
@@ -109,8 +154,19 @@ function connect(painting, view) {
     if (isPainting) painting.end();
     isPainting = false;
   };
-  canvas.addEventListener('pointerup', stop);
-  canvas.addEventListener('pointercancel', stop);
+  const drop = () => {
+    outline = null;
+    showOutline();
+  };
+  canvas.addEventListener('pointerdown', (event) => { if (outline && !event.isPrimary) drop(); }); // a second finger moves the view
+  canvas.addEventListener('pointerup', (event) => {
+    stop();
+    if (outline && event.isPrimary) enclose();
+  });
+  canvas.addEventListener('pointercancel', () => {
+    stop();
+    drop();
+  });
   canvas.addEventListener('pointerleave', () => view.setBrush(null, radius()));
   canvas.addEventListener('contextmenu', (event) => event.preventDefault());
   canvas.addEventListener('focus', () => { root.dataset.focused = 'true'; });
@@ -118,6 +174,7 @@ function connect(painting, view) {
 
   const keys = {
     ' ': () => {
+      if (chosen('tool') === 'lasso') return say('An outline is drawn with the pointer; brush, fill and ring work at the cross.');
       if (chosen('tool') === 'brush') painting.begin();
       if (!work(view.middle)) say('There is nothing at the cross.');
       if (chosen('tool') === 'brush') painting.end();
@@ -138,7 +195,7 @@ function connect(painting, view) {
     find('#radius').value = String(Number(find('#radius').value) + by);
     find('#radius').dispatchEvent(new Event('input'));
   };
-  const letters = { l: () => choose('tool', 'look'), b: () => choose('tool', 'brush'), f: () => choose('tool', 'fill'), r: () => choose('tool', 'ring'),
+  const letters = { l: () => choose('tool', 'look'), b: () => choose('tool', 'brush'), f: () => choose('tool', 'fill'), r: () => choose('tool', 'ring'), o: () => choose('tool', 'lasso'),
     '[': () => widen(-5), ']': () => widen(5) };
   told.parts.forEach(({ value }, n) => { letters[n + 1] = () => choose('part', value); });
   // Keys work wherever the page has the focus, but where text is entered.
@@ -174,6 +231,10 @@ function connect(painting, view) {
   }
   find('#undo').addEventListener('click', () => painting.undo());
   find('#redo').addEventListener('click', () => painting.redo());
+  find('#mirror-last').addEventListener('click', () => copyAcross({ chosen: painting.chosen }));
+  find('#mirror-left').addEventListener('click', () => copyAcross({ from: 1 }));
+  find('#mirror-right').addEventListener('click', () => copyAcross({ from: -1 }));
+  find('#mirror').hidden = !told.plane;
   find('#up').addEventListener('click', () => moveRing(RING_STEP));
   find('#down').addEventListener('click', () => moveRing(-RING_STEP));
   find('#again').addEventListener('click', () => attempt(() => runAgain(painting)));
@@ -194,10 +255,6 @@ async function runAgain(painting) {
 await attempt(async () => {
   const scan = readScan(await getBytes(`/v1/jobs/${job}/artifacts/segmented.ply`));
   const painting = new Painting(scan), view = new LabelView(find('#scene'), painting, told);
-  if (scan.confidence) {
-    const unsure = scan.confidence.reduce((sum, value) => sum + (value <= LEAST ? 1 : 0), 0);
-    find('#unsure').textContent = `${unsure.toLocaleString('en')} points have a confidence of 0.5 or less.`;
-  }
   if (!scan.confidence) find('input[value="confidence"]', root).disabled = true;
   connect(painting, view);
   Object.assign(root, { painting, view }); // for the browser's console

@@ -6,6 +6,9 @@ import { findRing } from './ring.js';
 /** Side of the cubes in which points are looked for [m]: some dozens of a scan's points. */
 const CUBE = 0.03;
 
+/** Confidence up to which a point counts as unsure. */
+const UNSURE = 0.5;
+
 /** @typedef {{points: Uint32Array, before: Uint8Array, after: Uint8Array, ring?: number}} Change */
 
 /** Holds a label for each point of a scan, and notifies listeners of each change. */
@@ -25,6 +28,8 @@ export class Painting extends EventTarget {
     /** @type {Map<number, number>|null} what points of the stroke under way were before it */
     this.stroke = null;
     this.ring = null;
+    /** @type {ArrayLike<number>|null} the points of the last change, or of the last outline */
+    this.chosen = null;
   }
 
   /** @returns {number} how many points have another label than they came with */
@@ -32,9 +37,14 @@ export class Painting extends EventTarget {
     return this.label.reduce((sum, value, n) => sum + (value === this.scan.label[n] ? 0 : 1), 0);
   }
 
-  /** @param {number} value @returns {number} how many points have it */
-  count(value) {
-    return this.label.reduce((sum, own) => sum + (own === value ? 1 : 0), 0);
+  /** @returns {{all: Uint32Array, unsure: Uint32Array}} how many points have each label, and how many of these are unsure; painted ones are sure */
+  count() {
+    const { label, confidence } = this.scan, all = new Uint32Array(256), unsure = new Uint32Array(256);
+    this.label.forEach((value, n) => {
+      all[value] += 1;
+      if (confidence && value === label[n] && confidence[n] <= UNSURE) unsure[value] += 1;
+    });
+    return { all, unsure };
   }
 
   /** Begin a stroke, which is undone as one change. */
@@ -75,6 +85,26 @@ export class Painting extends EventTarget {
     this.#set([...seen], value);
   }
 
+  /** Give points a label each, as one change. @param {number[]} points @param {ArrayLike<number>} values */
+  assign(points, values) {
+    const chosen = this.chosen;
+    this.begin();
+    points.forEach((n, k) => {
+      this.stroke.set(n, this.label[n]);
+      this.label[n] = values[k];
+    });
+    this.end();
+    this.chosen = chosen;
+    this.#tell();
+  }
+
+  /** Give all points of an outline a label, and choose them. @param {number[]} points @param {number} value */
+  enclose(points, value) {
+    this.assign(points, new Uint8Array(points.length).fill(value));
+    this.chosen = points.length ? points : null;
+    this.#tell();
+  }
+
   /** Choose the border of two parts that is nearest to a point. @param {number} vertex @returns {any} the ring, or null */
   chooseRing(vertex) {
     this.ring = findRing(this, vertex);
@@ -107,7 +137,7 @@ export class Painting extends EventTarget {
     const change = from.pop();
     if (!change) return;
     change.points.forEach((n, k) => { this.label[n] = change[side][k]; });
-    this.ring = null;
+    this.ring = this.chosen = null;
     to.push(change);
     this.#tell();
   }
@@ -125,6 +155,7 @@ export class Painting extends EventTarget {
   #keep(change) {
     this.done.push(change);
     this.undone = [];
+    this.chosen = change.points;
     this.#tell();
   }
 

@@ -1,6 +1,6 @@
 // The scan in 3D, coloured by part or by confidence, and what the pointer is on.
 
-import { BufferAttribute, BufferGeometry, Color, DoubleSide, MeshLambertMaterial, Points, PointsMaterial, Raycaster, SRGBColorSpace,
+import { BufferAttribute, BufferGeometry, Color, DoubleSide, Matrix4, MeshLambertMaterial, Points, PointsMaterial, Raycaster, SRGBColorSpace,
   Vector2 } from '../vendor/three-0.187.0.js';
 import { Viewer } from '../viewer.js';
 
@@ -101,6 +101,14 @@ export class LabelView {
       this.viewer.camera);
     const [hit] = ray.intersectObject(this.object);
     return hit ? { at: [...this.painting.scan.positions.subarray(3 * hit.index, 3 * hit.index + 3)], vertex: hit.index } : null;
+  }
+
+  /** @returns {import('./lasso.js').Screen} how the view shows places */
+  get screen() {
+    const { camera, place: { clientWidth: width, clientHeight: height } } = this.viewer;
+    camera.updateMatrixWorld();
+    const matrix = new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse).elements;
+    return { width, height, matrix, size: POINT * camera.projectionMatrix.elements[5] * height / 2 };
   }
 
   /** @returns {{clientX: number, clientY: number}} the middle of the view on the screen */
