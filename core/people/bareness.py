@@ -10,6 +10,8 @@ import numpy as np
 from ..body.person import PersonFit, PointWeights, refit_person
 from ..geometry.surface import TriangleSurface
 from ..run.hooks import SILENT_HOOKS, Hooks
+from .garments import MIN_GARMENT_AREA
+from .limbs import FOLDED_BODY_PARTS, BodyPlace, Limb
 from .part import GARMENTS, PARTS, Part
 from .points import PersonPoints
 from .separation import Outfit
@@ -28,28 +30,62 @@ MIN_JUDGED_SAMPLE_COUNT = 50
 """Number of samples below which a part is not judged: a hand's breadth of cloth."""
 
 
-def find_bare_odds(
-    fit: PersonFit, points: PersonPoints, column: np.ndarray, hooks: Hooks = SILENT_HOOKS
-) -> dict[Part, float]:
-    """Return the log-odds of each garment's being the wearer's skin, or underwear that lies on it as skin does.
-
-    The body is fitted once more with every sample taken for skin, so that a body with nothing on meets the scan.
+def measure_bare_heights(fit: PersonFit, points: PersonPoints, hooks: Hooks = SILENT_HOOKS) -> np.ndarray:
+    """Compute the height of each sample over a body that is fitted as if all samples were skin [m], shape [n].
 
     Args:
-        fit: The body.
+        fit: The body below the clothes, where that fit begins.
         points: The samples.
-        column: The column in `PARTS` of each sample's label, shape [n].
         hooks: Progress and cancellation.
     """
-    bare = refit_person(fit, points.positions, points.normals, PointWeights(np.zeros(len(column))), hooks).body
-    height = TriangleSurface(bare.vertices, bare.faces).heights(points.positions)
-    found = {}
-    for part in GARMENTS:
-        own = height[column == PARTS.index(part)]
-        if len(own) >= MIN_JUDGED_SAMPLE_COUNT:
-            stand_off = max(float(np.quantile(own, STAND_OFF_QUANTILE)), 1e-4)
-            found[part] = BARE_LOG_ODDS_SLOPE * float(np.log(BARE_STAND_OFF / stand_off))
-    return found
+    bare = refit_person(
+        fit, points.positions, points.normals, PointWeights(np.zeros(len(points.positions))), hooks
+    ).body
+    return TriangleSurface(bare.vertices, bare.faces).heights(points.positions)
+
+
+def find_bare_odds(height: np.ndarray, column: np.ndarray) -> dict[Part, float]:
+    """Return the log-odds of each garment's being the wearer's skin, or underwear that lies on it as skin does.
+
+    Args:
+        height: Of each sample over a body fitted as if bare [m], shape [n].
+        column: The column in `PARTS` of each sample's label, shape [n].
+    """
+    own = {part: height[column == PARTS.index(part)] for part in GARMENTS}
+    return {part: _bare_odds(heights) for part, heights in own.items() if len(heights) >= MIN_JUDGED_SAMPLE_COUNT}
+
+
+def find_loose_skin(height: np.ndarray, posterior: np.ndarray, place: BodyPlace, spacing: float) -> np.ndarray:
+    """Find what was taken for skin but hangs off the body: cloth in the skin's colour, bool, shape [n].
+
+    Both legs and both arms are judged as a whole, without feet and hands, whose fit is worse, where their skin is as
+    large as a garment. It is cloth if the log-odds by its height over the body and those by the mean of its posterior,
+    shape and colour, add up to less than 0.
+
+    Args:
+        height: Of each sample over a body fitted as if bare [m], shape [n].
+        posterior: Of the parts, shape [n, part_count].
+        place: Where on the body the samples lie.
+        spacing: Distance of the samples [m].
+    """
+    ends = place.parts[:, [list(FOLDED_BODY_PARTS).index(name) for name in ("hand", "foot")]].sum(axis=1)
+    chance = posterior[:, PARTS.index(Part.SKIN)]
+    skin = (posterior.argmax(axis=1) == PARTS.index(Part.SKIN)) & (ends < 0.5)
+    loose = np.zeros(len(height), bool)
+    for limbs in ((Limb.LEFT_LEG, Limb.RIGHT_LEG), (Limb.LEFT_ARM, Limb.RIGHT_ARM)):
+        own = skin & np.isin(place.limb, limbs)
+        if own.sum() * spacing**2 < MIN_GARMENT_AREA:
+            continue
+        mean = float(np.clip(chance[own].mean(), 1e-6, 1.0 - 1e-6))
+        if np.log(mean / (1.0 - mean)) + _bare_odds(height[own]) < 0.0:
+            loose |= own
+    return loose
+
+
+def _bare_odds(height: np.ndarray) -> float:
+    """Return the log-odds of skin of samples at heights over a body fitted as if bare [m], shape [k]."""
+    stand_off = max(float(np.quantile(height, STAND_OFF_QUANTILE)), 1e-4)
+    return BARE_LOG_ODDS_SLOPE * float(np.log(BARE_STAND_OFF / stand_off))
 
 
 def add_bare_readings(outfits: tuple[Outfit, ...], odds: Mapping[Part, float]) -> tuple[Outfit, ...]:

@@ -13,7 +13,7 @@ from ..body.presence import SeveralPersons
 from ..run.hooks import SILENT_HOOKS, Hooks
 from ..scan.raw import RawScan
 from ..scan.thin import thin_raw_scan
-from .bareness import add_bare_readings, find_bare_odds
+from .bareness import add_bare_readings, find_bare_odds, find_loose_skin, measure_bare_heights
 from .coat import Coat, find_coat
 from .colour import link_alike, use_colours
 from .confidence import apply_temperature, check_confidence, check_garments
@@ -31,7 +31,7 @@ from .points import FittedPerson, PersonPoints, sample_person
 from .rules import predict_by_rules
 from .separation import LabelledPerson
 from .small_pieces import relabel_beyond_skin, relabel_small_pieces
-from .tone import skin_evidence
+from .tone import SKIN_COLOUR_EVIDENCE, skin_evidence
 
 STAGE = "separate"
 """Name under which progress is reported."""
@@ -94,11 +94,17 @@ def label_person(raw: RawScan, hints: Hints | None = None, hooks: Hooks = SILENT
     known = None if hints.label is None else _sample_labels(raw, points, hints.label[raw.origin])
     if not isinstance(fit, _GivenBody):
         fit = fit_below_clothes(fit, points, links, known, hooks)
-    posterior, features = (
-        (known, describe_points(points, fit))
-        if known is not None
-        else predict_parts(points, fit, links, load_ensemble())
-    )
+    height: np.ndarray | None = None
+    if known is not None:
+        posterior, features = known, describe_points(points, fit)
+    else:
+        posterior, features = predict_parts(points, fit, links, load_ensemble())
+    if known is None and not isinstance(fit, _GivenBody):
+        height = measure_bare_heights(fit, points, hooks)
+        loose = find_loose_skin(height, posterior, features.place, points.spacing)
+        if points.lab is not None and loose.any():
+            fit = fit_below_clothes(fit, points, links, loose=loose, hooks=hooks)
+            posterior, features = predict_parts(points, fit, links, load_ensemble(), loose)
     hooks.progress(STAGE, 0.8, "choosing the outfit")
     above = above_waist_probability(features.place, fit.body)
     coat = Coat() if known is not None else find_coat(points, features, posterior, links, fit.body)
@@ -114,8 +120,8 @@ def label_person(raw: RawScan, hints: Hints | None = None, hooks: Hooks = SILENT
         column = apply_marks(column, hints.marks, raw, points, links)
     first = posterior.argmax(axis=1)
     marginal, posterior = (_swap_probabilities(one, first, column) for one in (marginal, posterior))
-    if known is None and hints.wearing is None and not isinstance(fit, _GivenBody):
-        odds, marked = find_bare_odds(fit, points, column, hooks), list_marked_garments(hints.marks)
+    if height is not None and hints.wearing is None:
+        odds, marked = find_bare_odds(height, column), list_marked_garments(hints.marks)
         worn = outfits[0].parts
         outfits = add_bare_readings(outfits, {part: value for part, value in odds.items() if part not in marked})
         bare = tuple(part for part in worn if part not in outfits[0].parts)
@@ -161,7 +167,12 @@ def check_single_person(raw: RawScan) -> None:
 
 
 def fit_below_clothes(
-    fit: PersonFit, points: PersonPoints, links: Links, known: np.ndarray | None = None, hooks: Hooks = SILENT_HOOKS
+    fit: PersonFit,
+    points: PersonPoints,
+    links: Links,
+    known: np.ndarray | None = None,
+    hooks: Hooks = SILENT_HOOKS,
+    loose: np.ndarray | None = None,
 ) -> PersonFit:
     """Fit the body again, `BODY_REFIT_ITERATIONS` times, each below the cloth predicted on the previous fit.
 
@@ -171,10 +182,11 @@ def fit_below_clothes(
         links: Their neighbours.
         known: The posterior where it is known, shape [n, part_count]; else it is predicted.
         hooks: Progress and cancellation.
+        loose: Which samples of the skin's colour hang off the body and are no skin, bool, shape [n], or None.
     """
     for turn in range(BODY_REFIT_ITERATIONS):
         hooks.progress(STAGE, turn / (BODY_REFIT_ITERATIONS + 1), "labelling the parts")
-        posterior = known if known is not None else predict_parts(points, fit, links)[0]
+        posterior = known if known is not None else predict_parts(points, fit, links, loose=loose)[0]
         fit = refit_person(fit, points.positions, points.normals, to_point_weights(posterior), hooks)
     return fit
 
@@ -205,7 +217,11 @@ def expand_to_file(raw: RawScan, label: np.ndarray, confidence: np.ndarray) -> t
 
 
 def predict_parts(
-    points: PersonPoints, fit: FittedPerson, links: Links, committee: NetworkEnsemble | None = None
+    points: PersonPoints,
+    fit: FittedPerson,
+    links: Links,
+    committee: NetworkEnsemble | None = None,
+    loose: np.ndarray | None = None,
 ) -> tuple[np.ndarray, Features]:
     """Return the posterior by geometry and colour, shape [n, part_count], and the features.
 
@@ -214,9 +230,12 @@ def predict_parts(
         fit: The body fitted to them.
         links: Their neighbours, as `link_alike` gives them where there are colours.
         committee: The trained networks, for a body fitted below the rules' cloth; None: the rules.
+        loose: Which samples of the skin's colour hang off the body and are no skin, bool, shape [n], or None.
     """
     features = describe_points(points, fit)
     tone = None if points.lab is None else skin_evidence(points.lab, features.place, fit.body)
+    if tone is not None and loose is not None:
+        tone = np.where(loose, SKIN_COLOUR_EVIDENCE[0], tone)
     if committee is None:
         posterior = predict_by_rules(points, features, fit, tone)
     else:

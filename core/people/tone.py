@@ -17,13 +17,13 @@ which a leg in a skirt's shade is darker than the face, and 4 of chroma."""
 AGREE = 0.2
 """Least overlap of the colours of face and hands: below it there are gloves or a mask, and neither shows the skin."""
 
-LIMIT = (-3.0, 1.5)
+SKIN_COLOUR_EVIDENCE = (-3.0, 1.5)
 """Least and largest evidence for skin: skin has one colour and cloth any, so that another colour says more against
 skin than the skin's own says for it."""
 
 
 def skin_evidence(lab: np.ndarray, place: BodyPlace, body: Body) -> np.ndarray | None:
-    """Compute log p(colour | skin) - log p(colour) of each sample, clipped by `LIMIT`, shape [n].
+    """Compute log p(colour | skin) - log p(colour) of each sample, clipped by `SKIN_COLOUR_EVIDENCE`, shape [n].
 
     p(colour | skin) is that of the face and the hands, p(colour) of all that is not on them. Where all of it has the
     skin's colour the evidence is near 0: nothing can be told.
@@ -47,7 +47,7 @@ def skin_evidence(lab: np.ndarray, place: BodyPlace, body: Body) -> np.ndarray |
         return None
     skin, rest = 0.5 * (both[0] + both[1]), _histogram(cells[~(face | hands)])
     ratio = skin.ravel()[cells] / np.maximum(rest.ravel()[cells], 1e-9)
-    return np.asarray(np.clip(np.log(np.maximum(ratio, 1e-9)), *LIMIT))
+    return np.asarray(np.clip(np.log(np.maximum(ratio, 1e-9)), *SKIN_COLOUR_EVIDENCE))
 
 
 def _histogram(cells: np.ndarray) -> np.ndarray:
