@@ -74,14 +74,14 @@ plant: $(VENV)/.installed-test
 	$(BIN)/python benchmarks/plant.py --seed $(SEED)
 
 # Targets that a seed draws and other programs make (docs/howto/judge-a-change.md), recovered, and beside another commit:
-# make unseen SEED=12 COUNT=16 [FINISHED=1] BLENDER=python [NEWTON=python] [GARMENTCODE=checkout GARMENTCODE_PYTHON=python] [AGAINST=commit]
+# make unseen SEED=12 COUNT=16 [FINISHED=1] [LAYERED=1] BLENDER=python [NEWTON=python] [GARMENTCODE=checkout GARMENTCODE_PYTHON=python] [AGAINST=commit]
 COUNT ?= 16
 BLENDER ?= python3
 GARMENTCODE_PYTHON ?= python3
 unseen: $(VENV)/.installed-test
 	$(BIN)/python benchmarks/unseen.py --seed $(SEED) --count $(COUNT) --blender $(BLENDER) \
 	  $(if $(GARMENTCODE),--garmentcode $(GARMENTCODE) --garmentcode-python $(GARMENTCODE_PYTHON)) \
-	  $(if $(FINISHED),--finished) $(if $(NEWTON),--newton $(NEWTON)) $(if $(AGAINST),--against $(AGAINST))
+	  $(if $(FINISHED),--finished) $(if $(LAYERED),--layered) $(if $(NEWTON),--newton $(NEWTON)) $(if $(AGAINST),--against $(AGAINST))
 
 # Every production package with the hashes of its files, and the list of them as CycloneDX JSON. redis needs
 # async-timeout with Python before 3.11.3 (Debian 12 has 3.11.2): the lock has it for all.

@@ -38,6 +38,7 @@ from garmentq.core.geometry.intersections import self_intersections
 from garmentq.core.recover.drape.stage import drape_template, remesh
 from garmentq.core.recover.drape.wearer import WearerGeometry
 from garmentq.core.scan.contours.contours import name_contours
+from scipy.sparse import csr_matrix
 
 VERTICES = 4000
 """Of a drape: that of the other packs."""
@@ -84,6 +85,20 @@ if len(bodies) > 1:
 body.modifiers.new("Collision", "COLLISION")
 body.collision.thickness_outer = 0.002
 body.collision.cloth_friction = 0.5
+for layer in range(int(given["layers"])):
+    # What is worn below, as it was draped: one key for each frame.
+    tracks = given[f"track_{layer}"]
+    below = add(f"layer {layer}", tracks[0], given[f"track_faces_{layer}"])
+    below.shape_key_add(name="first", from_mix=False)
+    for frame, points in enumerate(tracks, 1):
+        key = below.shape_key_add(name=f"frame {frame}", from_mix=False)
+        key.data.foreach_set("co", points.ravel())
+        for near, value in ((frame - 1, 0.0), (frame, 1.0), (frame + 1, 0.0)):
+            key.value = value
+            key.keyframe_insert("value", frame=near)
+    below.modifiers.new("Collision", "COLLISION")
+    below.collision.thickness_outer = 0.001
+    below.collision.cloth_friction = 0.5
 cloth = add("cloth", given["flat"], given["faces"], given["threads"])
 cloth.shape_key_add(name="flat", from_mix=False)
 worn = cloth.shape_key_add(name="worn", from_mix=False)
@@ -114,7 +129,7 @@ scene.frame_end = modifier.point_cache.frame_end = FRAMES
 moved = []
 for frame in range(1, FRAMES + 1):
     scene.frame_set(frame)
-    if frame in (FRAMES - 10, FRAMES):
+    if given["every"] or frame in (FRAMES - 10, FRAMES):
         mesh = cloth.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
         moved.append([tuple(vertex.co) for vertex in mesh.vertices])
 np.save(sys.argv[2], np.array(moved))
@@ -141,8 +156,8 @@ class Cloth:
 
 
 def to_blender(points: np.ndarray) -> np.ndarray:
-    """Turn y up into z up."""
-    return points[:, [0, 2, 1]] * [1.0, -1.0, 1.0]
+    """Turn y up into z up, shape [..., 3]."""
+    return points[..., [0, 2, 1]] * [1.0, -1.0, 1.0]
 
 
 def from_blender(points: np.ndarray) -> np.ndarray:
@@ -150,8 +165,35 @@ def from_blender(points: np.ndarray) -> np.ndarray:
     return points[:, [0, 2, 1]] * [1.0, 1.0, -1.0]
 
 
+@dataclass(frozen=True)
+class Track:
+    """A layer of cloth that moves with its wearer: what Blender makes of another garment.
+
+    Attributes:
+        frames: Nodes at each frame [m], shape [frame_count, node_count, 3].
+        faces: Shape [face_count, 3].
+    """
+
+    frames: np.ndarray
+    faces: np.ndarray
+
+    @property
+    def hung(self) -> np.ndarray:
+        """Return the nodes as they hang on the wearer in the first pose [m], shape [node_count, 3]."""
+        return self.frames[HANG - 1]
+
+    def begun_at_rest(self) -> np.ndarray:
+        """Return the frames [m], those in which the cloth falls replaced by where it hangs then."""
+        return np.concatenate([np.repeat(self.hung[None], HANG - 1, axis=0), self.frames[HANG - 1 :]])
+
+
 def simulate(
-    garment: Garment, held: np.ndarray, poses: Sequence[trimesh.Trimesh], python: str, cloth: Cloth | None = None
+    garment: Garment,
+    held: np.ndarray,
+    poses: Sequence[trimesh.Trimesh],
+    python: str,
+    cloth: Cloth | None = None,
+    worn: Sequence[Track] | None = None,
 ) -> np.ndarray:
     """Return the cut panels' vertices ten frames before the end and at the end, shape [2, uv_count, 3].
 
@@ -161,36 +203,42 @@ def simulate(
         poses: The wearer's skin on the way from the pose that the garment is dressed in to the one it is scanned in.
         python: One that has Blender's module.
         cloth: What it is made of.
+        worn: Layers below it, which it collides with, the innermost first; where given, all frames are returned.
     """
     mesh = SewnMesh("drape", garment, garment.nodes, get_fabric("cotton_poplin"))
     flat = np.zeros((len(garment.uv), 3))
     for index, panel in enumerate(garment.pattern.panels):
         own = garment.panel_of_uv == index
         flat[own] = place_points(panel, garment.uv[own])
-    worn, threads = garment.nodes[garment.uv_node], sewing_threads(mesh)
+    start, threads = garment.nodes[garment.uv_node], sewing_threads(mesh)
     waist = np.flatnonzero(np.isin(garment.uv_node, held))
-    anchors = len(worn) + np.arange(len(waist))  # vertices that stay: what is pinned itself would follow the shape key
+    anchors = len(start) + np.arange(len(waist))  # vertices that stay: what is pinned itself would follow the shape key
     threads = np.concatenate([threads, np.stack([waist, anchors], axis=1)])
-    flat, worn = (np.concatenate([points, worn[waist]]) for points in (flat, worn))
+    flat, start = (np.concatenate([points, start[waist]]) for points in (flat, start))
     skins = np.stack([to_blender(np.asarray(pose.vertices)) for pose in poses])
     made_of = cloth or Cloth()
     with tempfile.TemporaryDirectory() as folder:
         given, found, script = (Path(folder) / name for name in ("given.npz", "found.npy", "simulate.py"))
         script.write_text(SIMULATE)
         np.savez(
-            given, bodies=skins, body_faces=poses[0].faces, flat=to_blender(flat), nodes=to_blender(worn),
+            given, bodies=skins, body_faces=poses[0].faces, flat=to_blender(flat), nodes=to_blender(start),
             faces=garment.uv_faces, threads=threads, held=anchors, hang=HANG, move=MOVE, rest=REST,
-            fabric=[made_of.mass, made_of.stiffness, made_of.bending],
+            fabric=[made_of.mass, made_of.stiffness, made_of.bending], layers=len(worn or ()), every=worn is not None,
+            **{f"track_{n}": to_blender(track.begun_at_rest()) for n, track in enumerate(worn or ())},
+            **{f"track_faces_{n}": track.faces for n, track in enumerate(worn or ())},
         )  # fmt: skip
         subprocess.run([python, str(script), str(given), str(found)], check=True, stdout=subprocess.DEVNULL)
         return np.array([from_blender(points[: len(garment.uv)]) for points in np.load(found)])
 
 
 def weld(garment: Garment, cut: np.ndarray) -> np.ndarray:
-    """Return the nodes at the mean of the panels' vertices that were sewn to them."""
-    nodes = np.zeros((len(garment.nodes), 3))
-    np.add.at(nodes, garment.uv_node, cut)
-    return nodes / np.bincount(garment.uv_node, minlength=len(nodes))[:, None]
+    """Return the nodes at the mean of the panels' vertices that were sewn to them, shape [..., node_count, 3]."""
+    sewn = csr_matrix(
+        (np.ones(len(garment.uv)), (garment.uv_node, np.arange(len(garment.uv)))), (len(garment.nodes), len(garment.uv))
+    )
+    share = sewn.multiply(1.0 / sewn.sum(axis=1)).tocsr()
+    flat = np.moveaxis(cut, -2, 0).reshape(len(garment.uv), -1)
+    return np.moveaxis((share @ flat).reshape(-1, *cut.shape[:-2], 3), 0, -2)
 
 
 def describe(pattern: Pattern) -> dict[str, object]:

@@ -1,6 +1,6 @@
 """Recover what nobody has looked at: garments and dressed persons that a seed draws, made by other programs.
 
-    make unseen SEED=n COUNT=k [FINISHED=1] [AGAINST=commit] [GARMENTCODE=path] BLENDER=python
+    make unseen SEED=n COUNT=k [FINISHED=1] [LAYERED=1] [AGAINST=commit] [GARMENTCODE=path] BLENDER=python
 
 Even targets are one garment, scanned with noise and holes, its wearer known; odd ones are dressed persons, scanned
 whole without labels. Each is recovered with its maker's base pattern and with the library alone. What is made and run
@@ -24,7 +24,7 @@ from bench_runs import MODES, Job, find_version, run_jobs
 from changed_tree import ROOT
 from compare import add_options, compare_versions
 from garmentq.core.run.errors import GarmentqError
-from unseen_draw import draw_target, finish
+from unseen_draw import Target, draw_layered, draw_target, finish
 from unseen_packs import Tools, Unusable, make_pack
 from unseen_table import describe_targets, format_set
 from unseen_wearer import name_source
@@ -44,12 +44,14 @@ class Draw:
         out: Where they are kept.
         tools: Who drafts and drapes.
         finished: Whether each target wears a top with a front, a collar or a hood, `FINISHES`.
+        layered: Whether each target is a person in an outer layer, open or closed in turn.
     """
 
     seed: int
     out: Path
     tools: Tools
     finished: bool = False
+    layered: bool = False
 
     @property
     def programs(self) -> tuple[str, ...]:
@@ -61,6 +63,13 @@ class Draw:
         """Return who drapes."""
         return ("blender", "newton") if self.tools.newton else ("blender",)
 
+    def draw(self, index: int, attempt: int) -> Target:
+        """Return a target; the next attempt is another one of the same kind."""
+        if self.layered:
+            return draw_layered(self.seed, index, "blender", attempt)
+        target = draw_target(self.seed, index, self.programs, self.solvers, attempt)
+        return finish(target) if self.finished else target
+
     def make(self, index: int) -> dict[str, Any]:
         """Make one target unless it is there, another one where that cannot be made, and return what became of it."""
         record = self.out / "drawn" / f"{index:02d}.json"
@@ -69,8 +78,7 @@ class Draw:
             return found
         told: dict[str, Any] = {"name": None, "not_made": []}
         for attempt in range(ATTEMPTS):
-            target = draw_target(self.seed, index, self.programs, self.solvers, attempt)
-            target = finish(target) if self.finished else target
+            target = self.draw(index, attempt)
             try:
                 if not (self.out / "packs" / target.name).is_dir():
                     make_pack(target, self.out / "packs", self.tools)
@@ -99,6 +107,7 @@ def main() -> None:
     )
     parser.add_argument("--mode", action="append", choices=tuple(MODES), help="may be repeated; without: base, library")
     parser.add_argument("--finished", action="store_true", help="tops with fronts, collars and hoods, and plain ones")
+    parser.add_argument("--layered", action="store_true", help="persons in an outer layer, open and closed in turn")
     parser.add_argument("--packs-only", action="store_true", help="make the targets, recover nothing")
     add_options(parser)
     given = parser.parse_args()
@@ -107,7 +116,9 @@ def main() -> None:
         given.blender, given.newton, given.garmentcode and given.garmentcode.resolve(), given.garmentcode_python
     )
     with ProcessPoolExecutor(given.processes) as pool:
-        drawn = list(pool.map(Draw(given.seed, given.out, tools, given.finished).make, range(given.count)))
+        drawn = list(
+            pool.map(Draw(given.seed, given.out, tools, given.finished, given.layered).make, range(given.count))
+        )
     packs = [given.out / "packs" / told["name"] for told in drawn if told["name"]]
     if given.packs_only:
         return

@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from foreign_drapes import Cloth
+from garmentq.training.designs import OUTER_FINISHES, draw_word
 
-REVISION = 1
+REVISION = 2
 """Counts up where the same seed gives other targets."""
 
 SINGLE = {
@@ -56,6 +57,15 @@ FINISHES = (
 collars and hoods, and two tops with none."""
 
 
+INNER_FINISHES = {
+    "": 0.6,
+    "collar=shirt,front=buttons": 0.2,
+    "collar=polo,front=placket": 0.1,
+    "collar=turtleneck": 0.1,
+}
+"""Parts of a top below an outer layer, and how often each is drawn; a tank has none."""
+
+
 @dataclass(frozen=True)
 class Draft:
     """Describe a garment to draft.
@@ -64,7 +74,7 @@ class Draft:
         category: What it is.
         program: `own` parts or `garmentcode`.
         seed: Of its design.
-        role: As raw packs call it: `upper`, `lower`, `onepiece`.
+        role: As raw packs call it: `upper`, `lower`, `onepiece`, `outer`.
         parts: Of its front, collar and hood, `front=zip,collar=stand`; empty: those of the shipped cuts.
     """
 
@@ -163,6 +173,33 @@ def finish(target: Target) -> Target:
     lower = lower or Draft(_choose(LOWERS, rng), "own", int(rng.integers(1, 2**20)), "lower")
     cloth = (*target.cloth, *target.cloth)[:2]
     return replace(target, name=f"person_{target.seed}_{category}", drafts=(lower, top), cloth=cloth)
+
+
+def draw_layered(seed: int, index: int, solver: str, attempt: int = 0) -> Target:
+    """Return a person in two or three layers; the outer one is open where the index is even.
+
+    Args:
+        seed: Any number.
+        index: Of the target.
+        solver: Who drapes.
+        attempt: How many before could not be made.
+    """
+    rng = np.random.default_rng([REVISION, seed, index, attempt])
+    finishes = {
+        word: share for word, share in OUTER_FINISHES.items() if ("front=open" in word) == (index % 2 == 0)
+    }  # fmt: skip
+    drafts = []
+    for role, category in _draw_outfit(rng):
+        parts = draw_word(INNER_FINISHES, rng) if role == "upper" and category != "tank" else ""
+        drafts.append(Draft(category, "own", int(rng.integers(1, 2**20)), role, parts))
+    parts = draw_word(finishes, rng).replace("hood", "hood=two,hood_worn=down")
+    drafts.append(Draft("long_sleeve_tshirt", "own", int(rng.integers(1, 2**20)), "outer", parts))
+    pose = _choose(POSES, rng)
+    cloth = tuple(Cloth(*(_between(ends, rng) for ends in (MASSES, STIFFNESSES, BENDINGS))) for _ in drafts)
+    noise, holes = _between(NOISES, rng), tuple(rng.uniform(*HOLE_RADII, int(rng.integers(HOLES))).tolist())
+    words = "_".join(draft.category if draft.role != "outer" else "outer" for draft in drafts)
+    name = f"layered_{seed}_{index:02d}_{words}"
+    return Target(name, True, 10_000 * seed + 100 * attempt + index, tuple(drafts), pose, cloth, solver, noise, holes)
 
 
 def _draw_outfit(rng: np.random.Generator) -> tuple[tuple[str, str], ...]:

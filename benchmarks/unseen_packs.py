@@ -14,7 +14,7 @@ import foreign_newton
 import numpy as np
 import trimesh
 from foreign_body import measure_for_garmentcode
-from foreign_drapes import Cloth, describe, simulate, weld
+from foreign_drapes import Cloth, Track, describe, simulate, weld
 from foreign_own import draw_cut, draw_measures
 from foreign_start import settle
 from garmentq.core.body.body import Body
@@ -31,12 +31,13 @@ from garmentq.core.people.part import Part
 from garmentq.core.recover.drape.sizing import measure_wearer
 from garmentq.core.recover.drape.stage import drape_template, remesh
 from garmentq.core.recover.drape.wearer import WearerGeometry
+from garmentq.core.reuse.wear.raised_skin import raise_skin_over
 from garmentq.core.scan.contours.contours import name_contours
 from garmentq.core.scan.open3d_library import load_open3d
 from garmentq.training.accessories import bare_skin, draw_accessories
 from garmentq.training.cloth import tuck_under, wave_field
 from garmentq.training.colours import paint
-from garmentq.training.designs import name_finished
+from garmentq.training.designs import name_finished, widen_for_layers
 from garmentq.training.persons import name_material
 from garmentq.training.scanner import Scanner, scan_person
 from garmentq.training.shards import Shard
@@ -57,7 +58,7 @@ SEEN = 0.008
 MEAN_WEARER = "builtin:female"
 """For whom our own base patterns are drafted; GarmentCode's are for its own woman of mean measures."""
 
-PARTS = {"upper": Part.UPPER, "lower": Part.LOWER, "onepiece": Part.ONE_PIECE}
+PARTS = {"upper": Part.UPPER, "lower": Part.LOWER, "onepiece": Part.ONE_PIECE, "outer": Part.OUTER}
 
 
 class Unusable(Exception):
@@ -95,14 +96,26 @@ class Drape:
     cloth: Cloth
     tools: Tools
 
-    def run(self, garment: Garment, held: np.ndarray, skins: Sequence[trimesh.Trimesh]) -> np.ndarray:
-        """Return a dressed garment's nodes at rest on the last of some skins [m]."""
+    def run(
+        self, garment: Garment, held: np.ndarray, skins: Sequence[trimesh.Trimesh], worn: Sequence[Track] = ()
+    ) -> np.ndarray:
+        """Return a dressed garment's nodes as it comes to rest on the last of some skins [m], the last ones at rest.
+
+        Args:
+            garment: As dressed, on the first skin.
+            held: Nodes that stay where they are.
+            skins: The wearer's, on the way into the pose.
+            worn: Layers below it; Blender's cloth collides with them.
+
+        Returns:
+            Shape [frame_count, node_count, 3]; Newton's is one frame.
+        """
         if self.solver == "blender":
-            return weld(garment, simulate(garment, held, skins, self.tools.blender, self.cloth)[1])
+            return weld(garment, simulate(garment, held, skins, self.tools.blender, self.cloth, worn))
         own, usual = self.cloth, Cloth()
         ratios = (own.mass / usual.mass, own.stiffness / usual.stiffness, own.bending / usual.bending)
         assert self.tools.newton is not None
-        return foreign_newton.drape(garment, held, skins, self.tools.newton, ratios)
+        return foreign_newton.drape(garment, held, skins, self.tools.newton, ratios)[None]
 
 
 @dataclass(frozen=True)
@@ -113,13 +126,20 @@ class Hung:
         draft: What was drawn.
         garment: Its mesh in the pose [m].
         folder: Of the draft: `specification.json` and `design.json`.
-        crossing: Faces that cross others.
+        crossing: Faces that cross others, of the garment's own and of layers below it.
+        frames: Nodes on the way into the pose [m], shape [frame_count, node_count, 3].
     """
 
     draft: Draft
     garment: Garment
     folder: Path
     crossing: int
+    frames: np.ndarray
+
+    @property
+    def track(self) -> Track:
+        """Return how the garment moves into the pose."""
+        return Track(self.frames, self.garment.faces)
 
 
 def make_pack(target: Target, out: Path, tools: Tools) -> dict[str, object]:
@@ -139,7 +159,9 @@ def make_pack(target: Target, out: Path, tools: Tools) -> dict[str, object]:
     hung: list[Hung] = []
     for draft, cloth in zip(target.drafts, target.cloth, strict=True):
         folder = draft_garment(draft, rest, work, tools)
-        hung.append(hang(draft, folder, raise_over(poses, hung), Drape(target.solver, cloth, tools)))
+        is_tucking = draft.role == "lower"  # a waistband presses a tucked top to the body
+        one = hang(draft, folder, poses, Drape(target.solver, cloth, tools), [] if is_tucking else hung)
+        hung = [*(tuck(top, one) if is_tucking else top for top in hung), one]
     told = {
         "name": target.name, "pose": target.pose, "simulator": target.solver, "units": "m", "up": "y",
         "licence": "CC0-1.0; drafts of GarmentCode MIT", "drawn": asdict(target),
@@ -175,6 +197,8 @@ def draft_garment(draft: Draft, rest: Body, out: Path, tools: Tools) -> Path:
             measures = draw_measures(
                 measure_wearer(body), np.random.default_rng(draft.seed), hangs_from_waist=hangs_from_waist
             )
+            if draft.role == "outer":
+                measures = widen_for_layers(measures, np.random.default_rng(draft.seed))
             save_pattern(draft_template(name, measures), folder / file)
         told = {"category": draft.category, "cut": name, "source": "own parts", "seed": draft.seed}
         (folder / "design.json").write_text(json.dumps(told, indent=1))
@@ -205,20 +229,54 @@ def raise_over(poses: tuple[Body, ...], worn: list[Hung]) -> tuple[Body, ...]:
     return tuple(pose.raised(heights) for pose in poses) if worn else poses
 
 
-def hang(draft: Draft, folder: Path, poses: tuple[Body, ...], drape: Drape) -> Hung:
+def hang(draft: Draft, folder: Path, poses: tuple[Body, ...], drape: Drape, worn: Sequence[Hung] = ()) -> Hung:
     """Drape a draft on a wearer in T-pose and move both into the pose.
 
+    Args:
+        draft: What was drawn.
+        folder: Of the draft.
+        poses: The wearer's, from the T-pose on.
+        drape: Who drapes it.
+        worn: What lies below it, the innermost first. Newton drapes over the skin raised by it, Blender over its cloth.
+
     Raises:
-        Unusable: where it crumples, or a limb slips out of it.
+        Unusable: where it crumples, a limb slips out of it, or it crosses what is worn below it.
     """
-    garment, held = dress(load_pattern(folder / "specification.json"), WearerGeometry(poses[0]))
-    skins = [trimesh.Trimesh(pose.vertices, pose.faces, process=False) for pose in poses]
-    nodes = drape.run(garment, held, skins)
-    crossing = len(self_intersections(nodes, garment.faces))
+    tracks = [one.track for one in worn] if drape.solver == "blender" else []
+    poses = poses if tracks else raise_over(poses, list(worn))
+    below = WearerGeometry(poses[0])
+    for one, track in zip(worn, tracks, strict=False):
+        below = raise_skin_over(below, one.garment.at(track.hung))
+    garment, held = dress(load_pattern(folder / "specification.json"), below)
+    frames = drape.run(
+        garment, held, [trimesh.Trimesh(pose.vertices, pose.faces, process=False) for pose in poses], tracks
+    )
+    nodes = frames[-1]
+    crossing = count_crossing(nodes, garment.faces, worn)
     if not np.isfinite(nodes).all() or crossing > MOST_CROSSING * len(garment.faces):
         raise Unusable(f"{folder.name} crumples: {crossing} of {len(garment.faces)} faces cross others")
     require_worn((garment.nodes, poses[0]), (nodes, poses[-1]), garment.faces)
-    return Hung(draft, garment.at(nodes), folder, crossing)
+    return Hung(draft, garment.at(nodes), folder, crossing, frames)
+
+
+def count_crossing(nodes: np.ndarray, faces: np.ndarray, worn: Sequence[Hung]) -> int:
+    """Return the number of a garment's faces that cross its own or those of layers below it."""
+    meshes = [(nodes, faces), *((one.garment.nodes, one.garment.faces) for one in worn)]
+    starts = np.cumsum([0, *(len(points) for points, _ in meshes)])
+    joined = np.concatenate([one[1] + start for one, start in zip(meshes, starts, strict=False)])
+    crossed = self_intersections(np.concatenate([points for points, _ in meshes]), joined)
+    return int((crossed < len(faces)).sum())
+
+
+def tuck(top: Hung, lower: Hung) -> Hung:
+    """Return a top below the lower garment that it is tucked into, in each frame."""
+    frames = np.stack(
+        [
+            tuck_under((nodes, top.garment.faces), (over, lower.garment.faces))[0]
+            for nodes, over in zip(top.frames, lower.frames, strict=True)
+        ]
+    )
+    return replace(top, garment=top.garment.at(frames[-1]), frames=frames)
 
 
 def require_worn(before: tuple[np.ndarray, Body], after: tuple[np.ndarray, Body], faces: np.ndarray) -> None:
@@ -278,8 +336,9 @@ def write_person(target: Target, body: Body, hung: list[Hung], folder: Path, tol
     rng = np.random.default_rng([target.seed, 2])
     meshes = {one.draft.role: (one.garment.nodes, one.garment.faces) for one in hung}
     worn = list(meshes)
-    if len(worn) == 2:
-        meshes[worn[0]] = tuck_under(meshes[worn[0]], meshes[worn[1]])
+    for outer in range(len(worn) - 1, 0, -1):
+        for inner in range(outer):
+            meshes[worn[inner]] = tuck_under(meshes[worn[inner]], meshes[worn[outer]])
     layers = [Layer(PARTS[role], mesh) for role, mesh in meshes.items()]
     layers += [each for each in draw_accessories(load_template(), body, layers, rng) if each.part is not Part.OTHER]
     layers.append(Layer(Part.SKIN, bare_skin(body, layers), is_cloth=False))

@@ -165,11 +165,16 @@ def draw_outfit(body: Body, rng: np.random.Generator, held_out: bool) -> list[Pi
         pieces = [replace(upper, tucked=True), lower] if tucked else [lower, upper]
         pieces[1] = replace(pieces[1], wide=True)
     if is_over:
-        length = float(rng.uniform(-0.05, 0.25))
-        roomy = replace(m, bust=m.bust * 1.14 + 0.06, hip=m.hip * 1.12, hip_height=m.hip_height - length)
+        roomy = widen_for_layers(m, rng)
         sleeve = "none" if rng.random() < SLEEVELESS_OUTER else "long"
         pieces.append(Piece(_draw_top(sleeve, OUTER_FINISHES, rng), Part.OUTER, roomy, wide=True))
     return pieces
+
+
+def widen_for_layers(m: BodyMeasures, rng: np.random.Generator) -> BodyMeasures:
+    """Return the measures that an outer layer is drafted to, its length drawn: it goes over what is worn below it."""
+    length = float(rng.uniform(-0.05, 0.25))
+    return replace(m, bust=m.bust * 1.14 + 0.06, hip=m.hip * 1.12, hip_height=m.hip_height - length)
 
 
 def _upper(m: BodyMeasures, rng: np.random.Generator, is_below: bool) -> Piece:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 from garmentq.cli.bench.packs import read_packs
 from garmentq.cli.bench.raw_file import read_raw_file
 from garmentq.cli.bench.raw_packs import read_cover, read_raw_packs, read_true_labels, read_visible
@@ -18,8 +19,18 @@ from garmentq.core.cloth.fabrics import get_fabric
 from garmentq.core.garment.garmentcode_writer import save_pattern
 from garmentq.core.garment.templates import find_cut
 from garmentq.training.designs import name_finished
-from unseen_draw import FINISHES, Draft, draw_targets, finish
-from unseen_packs import Hung, Tools, Unusable, make_pack, require_worn, write_garment, write_person
+from unseen_draw import FINISHES, Draft, draw_layered, draw_targets, finish
+from unseen_packs import (
+    Hung,
+    Tools,
+    Unusable,
+    count_crossing,
+    make_pack,
+    require_worn,
+    tuck,
+    write_garment,
+    write_person,
+)
 from unseen_table import format_rows, measure_distances, measure_panels
 from unseen_wearer import pose_by_steps, pose_wearer
 from worn_template import load_worn_template
@@ -62,6 +73,42 @@ def test_each_finish_is_worn_once_alone_and_once_by_a_person():
             find_cut(name_finished(one.drafts[-1].category, one.drafts[-1].parts))
 
 
+def test_layers_are_open_and_closed_in_turn():
+    """Breaks where persons in layers wear nothing below, all coats are open, or a drawn coat cannot be drafted."""
+    drawn = [draw_layered(seed, index, "blender") for seed in range(10) for index in range(4)]
+    for number, one in enumerate(drawn):
+        outer = one.drafts[-1]
+        assert outer.role == "outer" and len(one.drafts) in (2, 3) and len(one.cloth) == len(one.drafts)
+        assert ("front=open" in outer.parts) == (number % 2 == 0)
+        for draft in one.drafts:
+            find_cut(name_finished(draft.category, draft.parts) if draft.parts else draft.category)
+    assert {len(one.drafts) for one in drawn} == {2, 3} and len({one.name for one in drawn}) == len(drawn)
+    inner = {draft.role for one in drawn for draft in one.drafts[:-1]}
+    assert inner == {"upper", "lower", "onepiece"}
+
+
+def test_a_tucked_top_lies_below_what_it_is_tucked_into(hung):
+    """Breaks where a top's hem hangs through the trousers, or what is not covered by them moves."""
+    body = trimesh.creation.cylinder(
+        0.2, 1.0, sections=48, transform=trimesh.transformations.rotation_matrix(np.pi / 2, [1, 0, 0])
+    )
+    ring = body.submesh([np.abs(body.face_normals[:, 1]) < 0.5], append=True).subdivide().subdivide()
+    top = np.asarray(ring.vertices) * [1.02, 1.0, 1.02] + [0.0, 0.5, 0.0]
+    frames = [np.stack([np.asarray(each)]) for each in (top, np.asarray(ring.vertices))]
+    faces = np.asarray(ring.faces)
+    outer, inner = (
+        replace(hung, garment=replace(hung.garment, nodes=one[0], faces=faces), frames=one) for one in frames[::-1]
+    )
+    tucked = tuck(inner, outer)
+    radius = np.hypot(*tucked.frames[0][:, [0, 2]].T)
+    covered = tucked.frames[0][:, 1] < 0.4
+    assert (radius[covered] < 0.2).all() and np.allclose(
+        tucked.frames[0][tucked.frames[0][:, 1] > 0.55], top[top[:, 1] > 0.55]
+    )
+    moved = inner.garment.nodes - [0.03, 0.0, 0.0]
+    assert count_crossing(moved, faces, [outer]) > 0 == count_crossing(tucked.garment.nodes, faces, [])
+
+
 def test_a_wearer_takes_the_pose_by_steps():
     """Broken where the wearer jumps into the pose through the cloth, or ends in another one."""
     rest = builtin_body("builtin:female,height=1.70")
@@ -80,7 +127,7 @@ def hung(tmp_path) -> Hung:
     assert worn is not None
     for name in ("specification.json", "base.json"):
         save_pattern(worn.pattern, tmp_path / name)
-    return Hung(Draft("skirt", "own", 1, "lower"), worn.garment, tmp_path, 0)
+    return Hung(Draft("skirt", "own", 1, "lower"), worn.garment, tmp_path, 0, worn.garment.nodes[None])
 
 
 def test_an_arm_beside_its_sleeve_is_found():
