@@ -43,10 +43,11 @@ def _find_sagittal_plane(rooms: AppState, job: str) -> dict[str, list[float]] | 
     """Return a point [m] between a person's hips and shoulders, and the unit vector to their left; None if unknown."""
     with rooms.database.read() as session:
         body = session.get(BodyRow, job)
-    sides = [[(body.joints if body else {}).get(f"{side}_{joint}") for joint in TRUNK] for side in ("left", "right")]
-    if any(place is None for side in sides for place in side):
+    joints = body.joints if body else {}
+    sides = [[f"{side}_{joint}" for joint in TRUNK] for side in ("left", "right")]
+    if not all(name in joints for side in sides for name in side):
         return None
-    left, right = (np.mean(side, axis=0) for side in sides)
+    left, right = (np.mean([joints[name] for name in side], axis=0) for side in sides)
     width = float(np.linalg.norm(left - right))
     if not width > 0.0:
         return None
