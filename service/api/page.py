@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
+import re
 from html import escape
 from typing import Any
 
@@ -17,6 +18,7 @@ header{display:flex;flex-wrap:wrap;gap:.25rem 1rem;padding:.75rem 1rem;backgroun
 border-bottom:1px solid var(--line)}header a:first-child{font-weight:700;color:inherit;text-decoration:none}
 main{max-width:60rem;margin:1rem auto;padding:0 1rem}a{color:var(--accent)}
 :focus-visible{outline:3px solid var(--accent);outline-offset:2px}
+h2::first-letter{text-transform:uppercase}
 h2{margin-top:2.5rem;border-bottom:1px solid var(--line)}summary{cursor:pointer;padding:.4rem 0;overflow-wrap:anywhere}
 code,pre{font:14px/1.4 ui-monospace,monospace}pre{background:var(--sunk);padding:.7rem;overflow:auto}
 table{border-collapse:collapse;width:100%}td,th{border-top:1px solid var(--line);padding:.3rem .6rem;text-align:left;
@@ -26,6 +28,8 @@ DIGEST = base64.b64encode(hashlib.sha256(STYLE.encode()).digest()).decode()
 POLICY = f"default-src 'none'; style-src 'sha256-{DIGEST}'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
 """The page's Content-Security-Policy: its own style and nothing else; no script runs in it, whatever a text
 contains."""
+
+CODE = re.compile("`([^`]+)`")
 
 METHODS = ("get", "post", "put", "patch", "delete")
 
@@ -46,7 +50,7 @@ def draw_page(described: dict[str, Any]) -> str:
         f"<title>{escape(info['title'])}</title><style>{STYLE}</style></head><body>",
         '<header><a href="/">garmentq</a><a href="/">Back to the gallery</a></header><main>',
         f"<h1>{escape(info['title'])} {escape(info['version'])}</h1>",
-        *(f"<p>{escape(text)}</p>" for text in info.get("description", "").split("\n\n")),
+        *(f"<p>{_draw_text(text)}</p>" for text in info.get("description", "").split("\n\n")),
         "<p>A request carries <code>Authorization: Bearer TOKEN</code>: an API key, or on a service of this machine ",
         "without keys the content of <code>api.token</code> in its home. For programs: ",
         '<a href="/openapi.json">openapi.json</a>.</p>',
@@ -64,7 +68,7 @@ def draw_page(described: dict[str, Any]) -> str:
 def _draw_route(method: str, path: str, route: dict[str, Any]) -> str:
     parts = [
         f"<details><summary><b>{method.upper()}</b><code>{escape(path)}</code> {escape(route.get('summary', ''))}",
-        f"</summary><p>{escape(route.get('description', ''))}</p>",
+        f"</summary><p>{_draw_text(route.get('description', ''))}</p>",
     ]
     if route.get("parameters"):
         rows = [_draw_parameter(one) for one in route["parameters"]]
@@ -79,10 +83,15 @@ def _draw_route(method: str, path: str, route: dict[str, Any]) -> str:
     return "".join([*parts, "</details>"])
 
 
+def _draw_text(text: str) -> str:
+    """Return a text with its words in backquotes as code."""
+    return CODE.sub(r"<code>\1</code>", escape(text))
+
+
 def _draw_parameter(one: dict[str, Any]) -> str:
     text = one.get("description") or json.dumps(one.get("schema", {}))
     needed = " (required)" if one.get("required") else ""
-    cells = f"<code>{escape(one['name'])}</code>{needed}", escape(one["in"]), escape(text)
+    cells = f"<code>{escape(one['name'])}</code>{needed}", escape(one["in"]), _draw_text(text)
     return f"<tr>{''.join(f'<td>{cell}</td>' for cell in cells)}</tr>"
 
 

@@ -13,6 +13,7 @@ from ..catalogue import Template
 from ..templates import list_templates, read_template
 from .actions import draw_action, draw_frame
 from .files_page import PICTURE_CACHE_CONTROL
+from .garment_words import title_garment
 from .markup import Html, html, join
 from .page_route import make_router
 from .session import VisitorOf
@@ -82,14 +83,15 @@ def _draw_card(template: Template, visitor: Visitor) -> Html:
         question = f"Delete the base pattern {template.name}? Jobs that use it keep their file."
         delete = draw_action("Delete…", "DELETE", f"/v1/templates/{template.name}", question)
     edit = html('<a class="button" href="/templates/{}/edit">Edit</a>', template.name) if visitor.may_submit else Html()
-    return html(CARD, name=template.name, title=template.title, category=template.category.replace("_", " "),
-                source=template.source, delete=delete, edit=edit)  # fmt: skip
+    word = title_garment(template.name) if template.source == SHIPPED else template.name
+    return html(CARD, name=template.name, word=word, title=template.title, source=template.source, delete=delete,
+                edit=edit)  # fmt: skip
 
 
 PAGE = """<h1>Base patterns</h1>{form}<ul class="gallery patterns">{cards}</ul>{frame}"""
 
 CARD = """<li class="family"><span class="figure"><img src="/templates/{name}/drawing.svg" alt="" loading="lazy"></span>
-<div class="words"><h2>{name}</h2><p>{title}</p><p class="soft">{category} · {source}</p>
+<div class="words"><h2>{word}</h2><p>{title}</p><p class="soft"><code>{name}</code> · {source}</p>
 <p class="row">{edit}<a class="button" href="/v1/templates/{name}" download="{name}.json">Download</a>{delete}</p></div>
 </li>"""
 

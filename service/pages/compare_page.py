@@ -23,7 +23,7 @@ from .page_route import make_router
 from .result_views import has_view
 from .session import VisitorOf
 from .shell import Visitor, draw_shell
-from .words import draw_verdict
+from .words import draw_time, draw_verdict
 
 router = make_router()
 
@@ -78,8 +78,8 @@ def _draw_offered(rooms: AppState, first: JobReport | None, visitor: Visitor) ->
     found = {row.id: row for row in _find_offered(rooms, first, visitor) if row.id != first.id}
     rows = report_jobs(rooms.database, list(found.values())[:MAX_OFFERED_RESULTS], rooms.settings)
     items = join(
-        html('<li><a href="/compare?a={}&amp;b={}">{}</a> <span class="soft">{}, {}</span> {}</li>', first.id, job.id,
-             _name(rooms, job, visitor), job.kind, job.id, draw_verdict(job.verdict)) for job in rows
+        html('<li><a href="/compare?a={}&amp;b={}">{}</a> <span class="soft">{}</span> {}</li>', first.id, job.id,
+             _name(rooms, job, visitor), draw_time(job.created), draw_verdict(job.verdict)) for job in rows
     )  # fmt: skip
     empty = html('<p class="soft">There is no other result of this person or cut yet.</p>')
     return html('<ul class="offered">{}</ul>', items) if items else empty

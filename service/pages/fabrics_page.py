@@ -63,8 +63,9 @@ def _draw_row(fabric: Fabric, is_imported: bool, may_change: bool) -> Html:
     question = f"Delete the fabric {fabric.title or fabric.name}? Jobs that use it keep its numbers."
     delete = draw_action("Delete…", "DELETE", f"/v1/materials/{fabric.name}", question)
     sources = join(html("<li>{}: {}</li>", name, text) for name, text in fabric.sources)
+    title = (fabric.title or fabric.name).replace("g/m2", "g/m²")
     return html(
-        ROW, swatch=swatch, name=fabric.title or fabric.name, id=fabric.name, mass=f"{1e3 * fabric.density:.0f}",
+        ROW, swatch=swatch, name=title, id=fabric.name, mass=f"{1e3 * fabric.density:.0f}",
         thickness=f"{1e3 * fabric.thickness:.2f}", bending=f"{1e2 * find_bending_length(fabric):.1f}",
         weft=f"{fabric.H00:.0f}", warp=f"{fabric.H11:.0f}", shear=f"{fabric.H22:.0f}",
         friction=f"{fabric.friction:.2f}", sources=sources, source="imported" if is_imported else "shipped",
@@ -82,9 +83,11 @@ PAGE = """<h1>Fabrics</h1><p class="soft">A swatch shows how a strip of 10 cm ha
 <tbody>{rows}</tbody></table></div>{frame}"""
 
 ROW = """<tr><td>{swatch}</td><th scope="row">{name}<br><code class="soft">{id}</code></th>
-<td class="number">{mass}</td>
-<td class="number">{thickness}</td><td class="number">{bending}</td><td class="number">{weft}, {warp}, {shear}</td>
-<td class="number">{friction}</td><td><details><summary>{source}</summary><ul>{sources}</ul></details></td>
+<td class="number" data-head="g/m²">{mass}</td><td class="number" data-head="Thickness [mm]">{thickness}</td>
+<td class="number" data-head="Bending length [cm]">{bending}</td>
+<td class="number" data-head="Weft, warp, shear [N/m]">{weft}, {warp}, {shear}</td>
+<td class="number" data-head="Friction">{friction}</td>
+<td><details><summary>{source}</summary><ul>{sources}</ul></details></td>
 <td>{delete}</td></tr>"""
 
 SWATCH = """<svg class="swatch" viewBox="0 0 84 78" aria-hidden="true"><path class="edge" d="M2 18h18v56"/>

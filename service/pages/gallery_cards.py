@@ -10,6 +10,7 @@ from ..kinds.redrape_request import REDRAPE
 from ..states import UNSUCCESSFUL, State
 from ..submission import PERSON_KIND
 from .control_words import speak_of_controls
+from .garment_words import title_garment
 from .icons import draw_icon
 from .markup import Html, html, join
 from .words import draw_state, draw_time
@@ -49,12 +50,12 @@ def _draw_card(family: GalleryFamily, has_bodies: bool) -> Html:
     return html(
         CARD, job=root.id, name=root.name, url=find_page(root), picture=picture, garments=garments, tags=tags,
         state=_draw_progress(family), created=draw_time(root.created), error=_draw_error(family),
-        others=_draw_others(rest), what=(root.garment or root.kind).replace("_", " "),
+        others=_draw_others(rest), what=title_garment(root.garment or root.kind),
     )  # fmt: skip
 
 
 def _draw_garment(job: GalleryJob) -> Html:
-    name, picture = (job.garment or job.name).replace("_", " "), _draw_picture(job)
+    name, picture = title_garment(job.garment or job.name), _draw_picture(job)
     return html(GARMENT, url=find_page(job), picture=picture, name=name, icon=draw_icon(job), live=_live(job))
 
 

@@ -96,7 +96,7 @@ def show_jobs(rooms: AppStateDependency, visitor: VisitorOf, query: Annotated[Jo
     is_list = query.view == LIST_VIEW
     shown, older = _draw_table(rooms, query, owner) if is_list else _draw_gallery(rooms, query, owner)
     if not shown:
-        shown = _draw_nothing(query)
+        shown = _draw_nothing(query, visitor.may_submit)
     more = html('<a class="button" rel="next" href="{}">Older jobs</a>', query.link(before=older)) if older else Html()
     newest = html('<a class="button" href="{}">Newest jobs</a>', query.link(before="")) if query.before else Html()
     content = join(
@@ -156,9 +156,10 @@ def _draw_table(rooms: AppState, query: JobListQuery, owner: str | None) -> tupl
     return rows, shown[-1].id if len(roots) > PAGE_FAMILY_COUNT else ""
 
 
-def _draw_nothing(query: JobListQuery) -> Html:
+def _draw_nothing(query: JobListQuery, may_submit: bool) -> Html:
     if not query.is_filtered:
-        return html('<p class="card soft" id="jobs">There are no jobs yet: drop a scan above.</p>')
+        next_step = ": drop a scan above." if may_submit else "."
+        return html('<p class="card soft" id="jobs">There are no jobs yet{}</p>', next_step)
     if query.view == LIST_VIEW:
         return html('<p class="card soft" id="jobs">No job matches. <a href="/?view=list">All jobs</a></p>')
     return html(NOTHING, url=query.link(view=LIST_VIEW, before=""))

@@ -26,7 +26,8 @@ def show_keys(rooms: AppStateDependency, visitor: VisitorOf) -> Response:
     scopes = join(html('<label><input type="checkbox" name="scopes" value="{}"{}> {}</label>', one,
                        Html(" checked") if one in ("read", "submit") else Html(), one) for one in SCOPES)  # fmt: skip
     empty = Html() if keys else html('<p class="soft">There are no keys: only this machine may use the service.</p>')
-    content = html(PAGE, scopes=scopes, quota=DEFAULT_JOB_QUOTA, rows=rows, empty=empty, frame=draw_frame())
+    content = html(PAGE, scopes=scopes, quota=DEFAULT_JOB_QUOTA, rows=rows, empty=empty,
+                   first=Html() if keys else html(FIRST), frame=draw_frame())  # fmt: skip
     return draw_shell("Keys", content, visitor, ["actions.js"], "/keys")
 
 
@@ -42,13 +43,15 @@ def _draw_row(key: Key) -> Html:
     )  # fmt: skip
 
 
+FIRST = """<p class="soft">The first key ends the use without one; give it admin, or this page is closed to you.</p>"""
+
 PAGE = """<h1>Keys</h1><form class="card" data-key><h2>New key</h2><div class="options">
 <label>Name <input name="name" required maxlength="255"></label>
 <label>Open jobs <input name="quota" type="number" min="1" max="1000000" value="{quota}"></label>
 <label>Highest priority <input name="priority" type="number" min="0" max="100" value="0"></label>
 <label>Days until it expires <input name="days" type="number" min="1" max="36500" placeholder="never"></label></div>
 <fieldset class="row"><legend>It may</legend>{scopes}</fieldset>
-<p class="soft">The first key ends the use without one; give it admin, or this page is closed to you.</p>
+{first}
 <p><button type="submit" class="primary">Create the key</button></p></form>{frame}
 {empty}<div class="wide" tabindex="0" role="region" aria-label="Keys"><table class="library"><thead><tr>
 <th scope="col">Key</th><th scope="col">May</th><th scope="col" class="number">Open jobs</th>
@@ -56,6 +59,7 @@ PAGE = """<h1>Keys</h1><form class="card" data-key><h2>New key</h2><div class="o
 <th scope="col">Expires</th><th scope="col"><span class="hushed">Actions</span></th></tr></thead>
 <tbody>{rows}</tbody></table></div>"""
 
-ROW = """<tr><th scope="row">{name}<br><code class="soft">{id}</code></th><td>{scopes}</td>
-<td class="number">{quota}</td>
-<td class="number">{priority}</td><td>{created}</td><td>{used}</td><td>{ended}</td><td>{revoke}</td></tr>"""
+ROW = """<tr><th scope="row">{name}<br><code class="soft">{id}</code></th><td data-head="May">{scopes}</td>
+<td class="number" data-head="Open jobs">{quota}</td><td class="number" data-head="Priority">{priority}</td>
+<td data-head="Created">{created}</td><td data-head="Used">{used}</td><td data-head="Expires">{ended}</td>
+<td>{revoke}</td></tr>"""

@@ -92,8 +92,8 @@ same scan; <a href="/results/{job}">job {job}</a> does not change.</p>
 <fieldset id="part"><legend>Part to paint</legend>{parts}</fieldset>
 <fieldset id="mirror"><legend>Copy to the wearer's other side</legend><div class="row">
 <button type="button" id="mirror-last">Last change</button>
-<button type="button" id="mirror-left">Left to right</button>
-<button type="button" id="mirror-right">Right to left</button></div></fieldset>
+<button type="button" id="mirror-left">Left side</button>
+<button type="button" id="mirror-right">Right side</button></div></fieldset>
 <div class="row"><button type="button" id="undo">Undo</button> <button type="button" id="redo">Redo</button></div>
 <p id="changed">Nothing is changed.</p>
 <div class="row"><button type="button" id="again" class="primary">Run again with these labels</button></div>

@@ -113,8 +113,9 @@ TABLE = """<div class="wide" tabindex="0" role="region" aria-label="Subjects"><t
 <th scope="col">Until</th>
 <th scope="col">Data deleted</th><th scope="col">Created</th></tr></thead><tbody>{rows}</tbody></table></div>"""
 
-ROW = """<tr><th scope="row"><a href="/subjects/{id}">{name}</a></th><td class="number">{jobs}</td><td>{consented}</td>
-<td>{until}</td><td>{expires}</td><td>{created}</td></tr>"""
+ROW = """<tr><th scope="row"><a href="/subjects/{id}">{name}</a></th><td class="number" data-head="Jobs">{jobs}</td>
+<td data-head="Agreed">{consented}</td><td data-head="Until">{until}</td><td data-head="Data deleted">{expires}</td>
+<td data-head="Created">{created}</td></tr>"""
 
 ONE = """<div class="bar"><h1>{name}</h1>{delete}</div>{facts}{frame}{cards}{form}{scans}"""
 

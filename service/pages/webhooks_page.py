@@ -52,13 +52,14 @@ PAGE = """<h1>Webhooks</h1>{form}{frame}{table}"""
 
 FORM = """<form class="card" data-webhook><h2>New webhook</h2><label class="long">Address
 <input name="url" type="url" required maxlength="2000" placeholder="https://studio.example/garmentq"></label>
-<fieldset class="row"><legend>When a job has (none: in every case)</legend>{states}</fieldset>
+<fieldset class="row"><legend>Ends that are reported (none: all)</legend>{states}</fieldset>
 <p><button type="submit" class="primary">Create the webhook</button></p></form>"""
 
 TABLE = """<div class="wide" tabindex="0" role="region" aria-label="Webhooks"><table class="library"><thead><tr>
-<th scope="col">Address</th><th scope="col">When a job has</th><th scope="col">Latest message</th>
+<th scope="col">Address</th><th scope="col">Ends</th><th scope="col">Latest message</th>
 <th scope="col" class="number">To send</th><th scope="col"><span class="hushed">Actions</span></th></tr></thead>
 <tbody>{rows}</tbody></table></div>"""
 
-ROW = """<tr><th scope="row">{url}</th><td>{states}</td><td>{last}</td><td class="number">{owed}</td>
+ROW = """<tr><th scope="row">{url}</th><td data-head="Ends">{states}</td><td data-head="Latest message">{last}</td>
+<td class="number" data-head="To send">{owed}</td>
 <td class="row">{actions}</td></tr>"""

@@ -18,9 +18,10 @@ from garmentq.service.models import OutageRow, WorkerRow
 from garmentq.service.pages.base_patterns_page import draw_panels
 from garmentq.service.pages.fabrics_page import STRIP_LENGTH, find_bending_length, find_droop
 from garmentq.service.states import State
-from garmentq.service.subjects import assign_jobs, list_subjects
+from garmentq.service.subject_records import SubjectFields
+from garmentq.service.subjects import assign_jobs, create_subject, list_subjects
 from garmentq.service.templates import list_templates
-from garmentq.service.webhooks import list_webhooks
+from garmentq.service.webhooks import create_webhook, list_webhooks
 
 PLACES = ("/fabrics", "/base-patterns", "/keys", "/webhooks", "/queue", "/subjects")
 
@@ -172,6 +173,49 @@ def test_who_does_not_administer_sees_no_keys_and_no_imports(own_site):
         for path in ("/fabrics", "/base-patterns", "/webhooks"):
             text = client.get(path).text
             assert "<form class=" not in text.replace('<form class="signout"', "") and "data-send" not in text
+
+
+def test_who_only_reads_is_not_told_to_drop_scans(own_site):
+    """Broken where an empty gallery names a place for scans that a key without `submit` has not."""
+    _, token = create_key(own_site.services.database, "reader", ("read",))
+    with httpx.Client(base_url=own_site.url, timeout=60.0) as client:
+        client.post("/signin", data={"token": token})
+        text = client.get("/").text
+    assert "There are no jobs yet." in text and "drop a scan" not in text
+
+
+def test_the_note_on_the_first_key_goes_with_it(own_site, open_window):
+    """Broken where the page speaks of a first key although there is one, or not before."""
+    with open_window(at=own_site) as opened:
+        assert "The first key ends" in opened.request.get("/keys").text()
+    _, token = create_key(own_site.services.database, "office", ("read", "admin"))
+    with httpx.Client(base_url=own_site.url, timeout=60.0) as client:
+        client.post("/signin", data={"token": token})
+        text = client.get("/keys").text
+    assert "office" in text and "The first key ends" not in text
+
+
+@pytest.mark.parametrize("path", ["/fabrics", "/subjects", "/keys", "/webhooks"])
+def test_a_table_has_nothing_cut_on_a_telephone(own_site, open_window, path):
+    """Broken where a cell or its head is outside a telephone's screen, or a number has no head."""
+    database = own_site.services.database
+    create_subject(database, SubjectFields("Bertha-Maximiliane von Hohenfels", consented=1.0, keep_days=9.0))
+    create_webhook(database, "https://1.1.1.1/a-rather-long-path/that-goes-on-and-on/2026", (), "")
+    _, token = create_key(database, "fitting room", ("read", "submit", "admin"))
+    with open_window(at=own_site, token=token, viewport={"width": 390, "height": 844}) as opened:
+        page = opened.new_page()
+        page.goto(path)
+        row = page.locator("table.library tbody tr").first
+        row.wait_for()
+        assert page.evaluate(CUT) == []
+        head = "cell => getComputedStyle(cell, '::before').content"
+        heads = row.locator("td.number").evaluate_all(f"cells => cells.map({head})")
+        assert heads and all(text.startswith('"') and ": " in text for text in heads)
+
+
+CUT = """[...document.querySelectorAll("main td, main th")].filter((cell) => {
+const { left, right, width } = cell.getBoundingClientRect(); return width && (left < 0 || right > innerWidth); })
+.map((one) => one.textContent)"""
 
 
 def test_a_webhook_is_created_tested_and_deleted(page, site, faults):

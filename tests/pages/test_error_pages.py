@@ -55,8 +55,9 @@ def test_a_refused_page_says_who_may(own_site):
 
 
 def test_the_description_of_the_api_leads_back_and_has_both_themes(page, find_barriers):
-    """Broken where `/docs` is a dead end, is white at night, or overflows a telephone."""
+    """Broken where `/docs` is a dead end, shows marks of code, is white at night, or overflows a telephone."""
     page.goto("/docs")
+    assert page.locator("main > p > code").first.inner_text() == "code"
     assert find_barriers(page) == []
     page.emulate_media(color_scheme="dark")
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(18, 22, 29)"

@@ -62,7 +62,7 @@ def test_a_card_has_a_person_its_garments_and_what_was_made_of_them(page, site, 
     assert card.count() == 1 and card.get_attribute("data-job") == person
     assert card.get_by_role("heading").inner_text() == "Clara"
     garments = card.locator(".garments li")
-    assert [" ".join(text.split()) for text in garments.all_text_contents()] == ["pass tshirt", "failed lower"]
+    assert [" ".join(text.split()) for text in garments.all_text_contents()] == ["pass T-shirt", "failed Lower"]
     assert garments.first.get_by_role("link").get_attribute("href") == f"/results/{upper}"
     assert "lower: Say the wearer with the option Body. body.missing" in card.locator(".error").inner_text()
     card.get_by_text("2 more, 1 open").click()

@@ -3,6 +3,7 @@ import { getBytes } from './api.js';
 import { startCamera } from './camera_tools.js';
 import { find, make, showError } from './dom.js';
 import { readShown } from './shown.js';
+import { showTimes } from './times.js';
 import { Viewer } from './viewer.js';
 
 const COLOURS = [0x6694bd, 0x7aa894], SKIN = 0xe6d9cc;
@@ -69,3 +70,4 @@ async function start() {
 }
 
 start().catch((error) => showError(find('#problem'), error));
+showTimes();

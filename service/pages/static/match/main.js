@@ -3,7 +3,7 @@
 import { find, showError } from '../dom.js';
 import { offerPatterns } from './choose.js';
 import { Pairing } from './pairing.js';
-import { Rows } from './rows.js';
+import { Rows, speak } from './rows.js';
 import { asCsv, asJson, asPairs, save } from './save.js';
 import { drawOverlay, drawTable } from './table.js';
 
@@ -80,7 +80,7 @@ async function start(first, second) {
 function summarise(pairing) {
   const count = pairing.pairs.length, mean = pairing.pairs.reduce((sum, pair) => sum + pair.turning, 0) / count;
   const alone = [0, 1].map((row) => pairing.alone(row)).map((names, row) => (names.length
-    ? ` Only in the ${row ? 'second' : 'first'}: ${names.join(', ')}.` : ''));
+    ? ` Only in the ${row ? 'second' : 'first'}: ${names.map(speak).join(', ')}.` : ''));
   return (count ? `${count} ${count === 1 ? 'pair' : 'pairs'}, mean turning distance ${mean.toFixed(4)} rad.` : 'No pairs.')
     + alone.join('');
 }

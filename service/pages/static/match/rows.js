@@ -6,11 +6,24 @@ import { boxOf, layOut, pathOf } from './geometry.js';
 /** Free space between pieces [m], where a row ends on a wide and on a narrow screen [m], and below which it is narrow [px]. */
 const GAP = 0.06, WIDE = 2.8, NARROW = 1.3, NARROW_PX = 700;
 
+/** @param {string} name of a panel @returns {string} the same in words */
+export const speak = (name) => name.replaceAll('_', ' ');
+
+/** @param {string} text @param {number} most letters of a line @returns {string[]} its lines; a longer word is a line of its own */
+function breakWords(text, most) {
+  const lines = [];
+  for (const word of text.split(' ')) {
+    if (lines.length && `${lines.at(-1)} ${word}`.length <= most) lines.push(`${lines.pop()} ${word}`);
+    else lines.push(word);
+  }
+  return lines;
+}
+
 /** How far an arrow moves a piece [mm], and a key turns it [degrees]; with Shift the second. */
 const STEPS_MM = [10, 1], STEPS_DEGREES = [5, 1];
 
-/** Radius of the handle [mm], and width of a letter over its height. */
-const HANDLE = 22, LETTER = 0.6;
+/** Radius of the handle [mm], width of a letter over its height, and the shares of a piece's width and height that its text may take. */
+const HANDLE = 22, LETTER = 0.6, FILLED = [0.8, 0.65];
 
 /**
  * A piece as it lies on the page.
@@ -60,10 +73,12 @@ export class Rows {
       const shifted = outline.map(([x, y]) => /** @type {[number, number]} */ ([x - middle[0], y - middle[1]]));
       const home = /** @type {[number, number]} */ ([1e3 * row.places[n][0], top + 1e3 * row.places[n][1]]);
       const body = draw('path', { d: pathOf(shifted) });
-      const letter = Math.min(this.letter, 1e3 * size[0] / (LETTER * name.length));
-      const label = draw('text', { 'font-size': letter, y: this.letter / 3 });
-      label.textContent = name;
-      const number = draw('text', { 'font-size': this.letter, y: -this.letter, class: 'number' });
+      const lines = breakWords(speak(name), FILLED[0] * 1e3 * size[0] / (LETTER * this.letter)), longest = Math.max(...lines.map((line) => line.length));
+      const letter = Math.min(this.letter, FILLED[0] * 1e3 * size[0] / (LETTER * longest), FILLED[1] * 1e3 * size[1] / (lines.length + 1));
+      const first = (0.7 - (lines.length + 1) / 2) * letter;
+      const label = draw('text', { 'font-size': letter, y: first + 1.1 * letter }, ...lines.map((_, k) => draw('tspan', { x: 0, dy: k ? 1.1 * letter : 0 })));
+      lines.forEach((line, k) => { label.children[k].textContent = k ? ` ${line}` : line; });
+      const number = draw('text', { 'font-size': letter, y: first, class: 'number' });
       const element = draw('g', { class: 'piece', tabindex: 0, role: 'button', 'data-row': index, 'data-name': name }, body,
         number, label);
       const piece = { row: index, name, x: home[0], y: home[1], turn: 0, home, high: 500 * size[1], element, body };

@@ -2,6 +2,7 @@
 
 import { draw, make } from '../dom.js';
 import { boxOf, pathOf, place } from './geometry.js';
+import { speak } from './rows.js';
 
 const HEADS = ['', 'first', 'second', 'paired by', 'turning rad', 'area %', 'outline mm', ''];
 
@@ -26,7 +27,7 @@ export function drawTable(table, pairing, does) {
 function drawRow(pairing, name, index, does) {
   const pair = pairing.pairs[index], places = Object.keys(pairing.outlines[0]);
   const options = ['', ...Object.keys(pairing.outlines[1])].map((other) => make('option',
-    { value: other, selected: other === (pair?.second ?? '') }, other || 'no counterpart'));
+    { value: other, selected: other === (pair?.second ?? '') }, speak(other) || 'no counterpart'));
   const choice = make('select', { id: `with-${places.indexOf(name)}`, 'aria-label': `Counterpart of ${name}`,
     onchange: (event) => does.choose(name, event.target.value) }, ...options);
   const swatch = draw('svg', { viewBox: '0 0 10 10', class: 'swatch', 'aria-hidden': 'true' },
@@ -36,7 +37,7 @@ function drawRow(pairing, name, index, does) {
     'aria-label': `Overlay of ${pair.first} and ${pair.second}`, onclick: () => does.look(index) }, 'Overlay');
   const numbers = pair ? [show(pair.turning, 4), show(pair.area_percent, 2), show(pair.outline_mm, 2)] : ['', '', ''];
   return make('tr', { 'data-first': name, 'data-second': pair?.second ?? '' },
-    make('td', {}, swatch, pair ? ` ${index + 1}` : null), make('td', {}, name), make('td', {}, choice),
+    make('td', {}, swatch, pair ? ` ${index + 1}` : null), make('td', {}, speak(name)), make('td', {}, choice),
     make('td', { 'data-head': HEADS[3] }, pair?.paired_by ?? ''),
     ...numbers.map((text, n) => make('td.number', { 'data-head': HEADS[4 + n] }, text)), make('td', {}, look ?? null));
 }
@@ -58,7 +59,7 @@ export function drawOverlay(where, pairing, index) {
     'aria-label': `${pair.first} of the first pattern upon ${pair.second} of the second` },
   draw('path', { d: pathOf(second), class: 'under' }), draw('path', { d: pathOf(first), class: 'over' }));
   svg.style.setProperty('--pair', pairing.colour(index));
-  where.replaceChildren(svg, make('p', {}, `${pair.first} (coloured, dashed) upon ${pair.second} (grey)`
+  where.replaceChildren(svg, make('p', {}, `${speak(pair.first)} (coloured, dashed) upon ${speak(pair.second)} (grey)`
     + `${pair.turned_over ? ', turned over' : ''}: the outlines are ${show(pair.outline_mm, 2)} mm apart (RMS), the first is `
     + `${show(Math.abs(pair.area_percent), 2)} % ${pair.area_percent < 0 ? 'smaller' : 'larger'}.`));
 }
