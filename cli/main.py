@@ -57,7 +57,7 @@ COMMANDS = {
     "gc": "Delete stored files that no job names.",
     "backup": "Save the database and its files into one tar file.",
     "verify": "Check that every stored file exists and is undamaged.",
-    "archive": "Save ended jobs with their files into one tar file, and delete them.",
+    "archive": "Save ended jobs with their files into one tar file, and delete them if asked.",
     "restore": "Restore a backup into a home or a server's database.",
     "doctor": "Check that everything garmentq needs is available.",
     "bench": "Recover every target pack in a folder and compare with the truth.",

@@ -58,7 +58,7 @@ READ = {
 }
 """What each command takes whose option or argument names a file that is read; `{bad}` stands for that file."""
 
-OTHERWISE = {("backup", "file")}
+OTHERWISE = {("archive", "file"), ("backup", "file")}
 """Arguments that are tested by themselves."""
 
 
